@@ -1,0 +1,10 @@
+//! transect reconstructs volumes and surfaces from labelled planar
+//! cross-sections of any orientation.
+
+pub mod arrangement;
+pub mod error;
+pub mod ffi;
+pub mod label;
+pub mod mesh;
+pub mod plane;
+pub mod section;

@@ -1,0 +1,4 @@
+//! test
+fn main() {
+    println!("{}", transect::ffi::measure::library_versions());
+}

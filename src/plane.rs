@@ -1,0 +1,112 @@
+//! Oriented planes, as given: their doubles are exact rationals.
+
+use glam::{DVec2, DVec3};
+
+/// The plane `normal · x = offset`. The normal need not have unit length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// Not zero; world units do not matter.
+    pub normal: DVec3,
+    /// In the normal's length times world units.
+    pub offset: f64,
+}
+
+impl Plane {
+    /// The axis that is dropped to name a point on the plane by two numbers:
+    /// the one in which the normal is largest (the first of equals).
+    pub fn dropped_axis(&self) -> usize {
+        let size = self.normal.abs();
+        if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        }
+    }
+
+    /// The two kept axes, in the order that makes counter-clockwise in
+    /// (first, second) counter-clockwise about the normal.
+    pub fn kept_axes(&self) -> [usize; 2] {
+        let dropped = self.dropped_axis();
+        let [first, second] = [(dropped + 1) % 3, (dropped + 2) % 3];
+        if self.normal[dropped] > 0.0 { [first, second] } else { [second, first] }
+    }
+
+    /// The kept coordinates of a point: its name on the plane.
+    pub fn project(&self, point: DVec3) -> DVec2 {
+        let [first, second] = self.kept_axes();
+        DVec2::new(point[first], point[second])
+    }
+
+    /// The point on the plane with these kept coordinates, the dropped one
+    /// solved for and rounded.
+    pub fn lift(&self, kept: DVec2) -> DVec3 {
+        let dropped = self.dropped_axis();
+        let [first, second] = self.kept_axes();
+        let rest = self.normal[first] * kept.x + self.normal[second] * kept.y;
+        let mut point = DVec3::ZERO;
+        point[first] = kept.x;
+        point[second] = kept.y;
+        point[dropped] = (self.offset - rest) / self.normal[dropped];
+        point
+    }
+
+    /// The signed distance of a point, in world units.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        (self.normal.dot(point) - self.offset) / self.normal.length()
+    }
+
+    /// The normal, of length one.
+    pub fn unit_normal(&self) -> DVec3 {
+        self.normal.normalize()
+    }
+
+    /// Two unit vectors that with the unit normal form a right-handed frame.
+    pub fn tangents(&self) -> [DVec3; 2] {
+        let normal = self.unit_normal();
+        let first = normal.any_orthonormal_vector();
+        [first, normal.cross(first)]
+    }
+}
+
+/// An axis-parallel box in world units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// The corner with the smallest coordinates.
+    pub min: DVec3,
+    /// The corner with the largest coordinates.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// The smallest box around some points; `None` around none.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
+        points.into_iter().fold(None, |bounds: Option<Self>, point| {
+            Some(bounds.map_or(Self { min: point, max: point }, |bounds| Self {
+                min: bounds.min.min(point),
+                max: bounds.max.max(point),
+            }))
+        })
+    }
+
+    /// The box grown by `margin` world units on every side.
+    pub fn grown(self, margin: f64) -> Self {
+        Self { min: self.min - margin, max: self.max + margin }
+    }
+
+    /// The lengths of the sides.
+    pub fn size(&self) -> DVec3 {
+        self.max - self.min
+    }
+
+    /// The length of the diagonal.
+    pub fn diagonal(&self) -> f64 {
+        self.size().length()
+    }
+
+    /// The product of the sides.
+    pub fn volume(&self) -> f64 {
+        self.size().element_product()
+    }
+}

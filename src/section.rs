@@ -1,0 +1,108 @@
+//! Sections: labelled planar partitions, valid by construction.
+
+use std::path::PathBuf;
+
+use glam::{DVec2, DVec3};
+
+use crate::label::{Label, Material};
+use crate::plane::Plane;
+
+/// An edge of a section's planar graph, with a label on either side as seen
+/// with the plane's normal pointing at the viewer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Edge {
+    /// Index of the first vertex.
+    pub start: u32,
+    /// Index of the second vertex.
+    pub end: u32,
+    /// The label left of the edge, looking from start to end.
+    pub left: Label,
+    /// The label right of the edge; differs from `left`.
+    pub right: Label,
+}
+
+/// A plane with a labelled planar partition on it.
+///
+/// Invariants: vertices are distinct; edges meet only in shared vertices
+/// (decided exactly); the labels around every vertex, and so of every face of
+/// the graph, agree; the unbounded face has the label `background`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    pub(crate) name: String,
+    pub(crate) plane: Plane,
+    pub(crate) vertices: Vec<DVec2>,
+    pub(crate) edges: Vec<Edge>,
+    pub(crate) background: Label,
+}
+
+impl Section {
+    /// What errors and reports call the section.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The plane it lies on.
+    pub fn plane(&self) -> &Plane {
+        &self.plane
+    }
+
+    /// The vertices by their two kept coordinates ([`Plane::project`]), which
+    /// name points exactly on the plane.
+    pub fn vertices(&self) -> &[DVec2] {
+        &self.vertices
+    }
+
+    /// The edges between differing labels.
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// The label far away: *outside*, or *unknown* beyond an extent.
+    pub fn background(&self) -> Label {
+        self.background
+    }
+
+    /// A vertex in space, rounded.
+    pub fn point(&self, vertex: u32) -> DVec3 {
+        self.plane.lift(self.vertices[vertex as usize])
+    }
+
+    /// All labels that occur, sorted.
+    pub fn labels(&self) -> Vec<Label> {
+        let mut labels: Vec<Label> =
+            self.edges.iter().flat_map(|edge| [edge.left, edge.right]).collect();
+        labels.push(self.background);
+        labels.sort();
+        labels.dedup();
+        labels
+    }
+}
+
+/// Something doubtful that was dealt with; an error under `--strict`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Warning {
+    /// The section's name, or nothing where the whole file is meant.
+    pub section: String,
+    /// What was found, where, and what was done about it.
+    pub what: String,
+}
+
+/// Sections with what they share.
+#[derive(Debug, Clone, Default)]
+pub struct Sections {
+    /// In the order of the files.
+    pub sections: Vec<Section>,
+    /// Name and colour of every material that occurs, by number.
+    pub materials: Vec<Material>,
+    /// The unit of length, as the file gives it ("mm"); empty when unknown.
+    pub units: String,
+    /// The frame of the coordinates, as the file gives it ("LPS"); empty when
+    /// unknown.
+    pub frame: String,
+    /// What was doubtful.
+    pub warnings: Vec<Warning>,
+    /// What was left out (degenerate loops, for one).
+    pub left_out: Vec<Warning>,
+    /// The files they came from.
+    pub files: Vec<PathBuf>,
+}
