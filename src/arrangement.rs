@@ -2,8 +2,10 @@
 
 use glam::DVec3;
 
+use crate::error::Result;
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};
+use crate::section::Section;
 
 /// An edge on a face of a cell: part of a contour, or of the face's border.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,4 +53,44 @@ pub struct Arrangement {
     pub(crate) planes: Vec<Plane>,
     pub(crate) faces: Vec<Face>,
     pub(crate) cells: Vec<Cell>,
+}
+
+impl Arrangement {
+    /// The arrangement of all section planes in a box whose faces have the
+    /// label `border`.
+    pub fn new(sections: &[Section], bounds: Bounds, border: Label) -> Result<Self> {
+        todo!("{sections:?} {bounds:?} {border}")
+    }
+
+    /// The box.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// The sections' planes, then the six of the box.
+    pub fn planes(&self) -> &[Plane] {
+        &self.planes
+    }
+
+    /// The faces.
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    /// The cells.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// The cell that a point of the box lies in, or a cell that touches it
+    /// when the point is on a plane to rounding.
+    pub fn locate(&self, point: DVec3) -> u32 {
+        todo!("{point}")
+    }
+
+    /// Whether everything that must hold does: Euler's relation, two cells at
+    /// every inner face, convex closed cells, regions that add up to faces.
+    pub fn sanity_check(&self) -> std::result::Result<(), String> {
+        todo!()
+    }
 }

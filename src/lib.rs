@@ -4,7 +4,10 @@
 pub mod arrangement;
 pub mod error;
 pub mod ffi;
+pub mod field;
+pub mod grid;
 pub mod label;
 pub mod mesh;
 pub mod plane;
+pub mod progress;
 pub mod section;

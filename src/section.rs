@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
+use crate::error::Result;
 use crate::label::{Label, Material};
 use crate::plane::Plane;
 
@@ -105,4 +106,78 @@ pub struct Sections {
     pub left_out: Vec<Warning>,
     /// The files they came from.
     pub files: Vec<PathBuf>,
+}
+
+/// A closed polygon as files give it; the last point joins the first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loop {
+    /// On the plane, within the tolerance; either orientation.
+    pub points: Vec<DVec3>,
+    /// What is inside; not looked at for a hole.
+    pub label: Label,
+    /// The index of the loop that this one is a hole of.
+    pub hole_of: Option<usize>,
+}
+
+/// Who wins where loops of different labels overlap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overlap {
+    /// The loop that comes first.
+    First,
+    /// The loop that comes last.
+    Last,
+    /// The loop with the smallest area.
+    Smallest,
+}
+
+/// How sections are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rules {
+    /// How far off its plane a vertex may lie, relative to the diagonal of
+    /// all vertices of the file.
+    pub tolerance: f64,
+    /// Who wins where loops overlap; without it that is an error.
+    pub overlap: Option<Overlap>,
+    /// Whether every warning is an error.
+    pub strict: bool,
+}
+
+impl Default for Rules {
+    fn default() -> Self {
+        Self { tolerance: 1e-3, overlap: None, strict: false }
+    }
+}
+
+/// What was doubtful about a section and what was left out of it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Findings {
+    /// What was doubtful.
+    pub warnings: Vec<Warning>,
+    /// What was left out.
+    pub left_out: Vec<Warning>,
+}
+
+impl Section {
+    /// A section from closed loops.
+    pub fn from_loops(
+        name: &str,
+        plane: Plane,
+        loops: &[Loop],
+        diagonal: f64,
+        rules: &Rules,
+    ) -> Result<(Self, Findings)> {
+        todo!("{name} {plane:?} {loops:?} {diagonal} {rules:?}")
+    }
+
+    /// A section from a planar graph with labels on either side of its edges.
+    pub fn from_graph(
+        name: &str,
+        plane: Plane,
+        points: &[DVec3],
+        edges: &[Edge],
+        diagonal: f64,
+        rules: &Rules,
+    ) -> Result<(Self, Findings)> {
+        todo!("{name} {plane:?} {points:?} {edges:?} {diagonal} {rules:?}")
+    }
 }

@@ -1,0 +1,3 @@
+//! The grid: the field sampled sparsely in an OpenVDB tree.
+
+pub mod samples;

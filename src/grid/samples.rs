@@ -1,0 +1,74 @@
+//! The field's values at lattice nodes near the surface, as flat arrays: what
+//! comes out of sampling and out of the OpenVDB tree, and what the mesher
+//! reads.
+
+use glam::DVec3;
+
+use crate::label::Label;
+
+/// Nodes of a leaf along each axis, as in OpenVDB.
+pub const LEAF_SIDE: usize = 8;
+/// Nodes of a leaf.
+pub const LEAF_NODES: usize = LEAF_SIDE * LEAF_SIDE * LEAF_SIDE;
+
+/// Node (i, j, k) lies at `origin + voxel * (i, j, k)`, for every component
+/// in `0..dims`. The outermost layer of nodes lies outside the box, or on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lattice {
+    /// Node (0, 0, 0), in world units.
+    pub origin: DVec3,
+    /// The spacing, in world units.
+    pub voxel: f64,
+    /// Nodes along each axis.
+    pub dims: [i32; 3],
+}
+
+impl Lattice {
+    /// Where a node is.
+    pub fn position(&self, node: [i32; 3]) -> DVec3 {
+        self.origin + self.voxel * DVec3::new(node[0].into(), node[1].into(), node[2].into())
+    }
+
+    /// Leaves along each axis.
+    pub fn leaf_dims(&self) -> [i32; 3] {
+        self.dims.map(|nodes| (nodes + LEAF_SIDE as i32 - 1) / LEAF_SIDE as i32)
+    }
+}
+
+/// One material's indicator in one leaf, in [−1, 1].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeafValues {
+    /// The material.
+    pub label: Label,
+    /// [`LEAF_NODES`] values; node (x, y, z) of the leaf is at
+    /// `x * 64 + y * 8 + z`, as in OpenVDB.
+    pub values: Vec<f32>,
+}
+
+/// A leaf whose nodes have values of their own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leaf {
+    /// Its first node, divided by [`LEAF_SIDE`].
+    pub at: [i32; 3],
+    /// The materials whose indicator is not −1 all over the leaf, by label.
+    /// *Outside* is implied: the indicators f of all labels with (f + 1) / 2
+    /// summed up make 1.
+    pub materials: Vec<LeafValues>,
+}
+
+/// Leaves near the surface, and one label for each of the others.
+///
+/// Invariant: where two neighbouring nodes have different labels, both lie in
+/// leaves of [`Samples::leaves`] or have the labels of [`Samples::tiles`]; the
+/// label of every node of the lattice is thus defined. The outermost nodes of
+/// the lattice are outside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Samples {
+    /// Where the nodes are.
+    pub lattice: Lattice,
+    /// Sorted by `at`.
+    pub leaves: Vec<Leaf>,
+    /// For every leaf of the lattice its label where it is not in `leaves`,
+    /// x slowest, z fastest.
+    pub tiles: Vec<Label>,
+}
