@@ -3,3 +3,4 @@
 
 pub mod measure;
 pub mod threads;
+pub mod partition;
