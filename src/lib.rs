@@ -8,6 +8,8 @@ pub mod field;
 pub mod grid;
 pub mod label;
 pub mod mesh;
+pub mod picture;
 pub mod plane;
 pub mod progress;
 pub mod section;
+pub mod slice;
