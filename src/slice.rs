@@ -1,0 +1,1 @@
+//! Sections from meshes: a closed mesh cut by planes.

@@ -85,20 +85,44 @@ impl<'a> Canvas<'a> {
         let targets: Vec<Target> =
             self.layers.iter().map(|layer| self.fill(layer, sample_rows.clone())).collect();
         let mut pixels = Vec::with_capacity(rows.len() * width as usize * 4);
+        let mut seen: Vec<(usize, Vec3)> = Vec::new();
         for row in rows.clone() {
             for column in 0..width {
-                let mut light = Vec3::ZERO;
-                for y in row * samples..(row + 1) * samples {
-                    let first = ((y - sample_rows.start) * width + column) * samples;
-                    for index in first..first + samples {
-                        let x = index - (y - sample_rows.start) * width * samples;
-                        light += self.sample(&targets, index as usize, [x, y]);
-                    }
-                }
-                pixels.extend(shade::encode(light / (samples * samples) as f32));
+                let light = self.pixel(&targets, [column, row], sample_rows.start, &mut seen);
+                pixels.extend(shade::encode(light));
             }
         }
         pixels
+    }
+
+    /// The mean light over a pixel. What several samples see alike is shaded
+    /// once, where the first of them lies.
+    fn pixel(
+        &self,
+        targets: &[Target],
+        [column, row]: [u32; 2],
+        first_row: u32,
+        seen: &mut Vec<(usize, Vec3)>,
+    ) -> Vec3 {
+        let samples = self.samples;
+        let pitch = (self.size[0] * samples) as usize;
+        let alike = |one: usize, other: usize| {
+            targets.iter().all(|target| target.id[one] == target.id[other])
+        };
+        seen.clear();
+        let mut sum = Vec3::ZERO;
+        for y in row * samples..(row + 1) * samples {
+            for x in column * samples..(column + 1) * samples {
+                let index = (y - first_row) as usize * pitch + x as usize;
+                let known = seen.iter().find(|&&(other, _)| alike(index, other));
+                let light = known.map_or_else(|| self.sample(targets, index, [x, y]), |&(_, l)| l);
+                if known.is_none() {
+                    seen.push((index, light));
+                }
+                sum += light;
+            }
+        }
+        sum / (samples * samples) as f32
     }
 
     fn fill(&self, projected: &Projected, rows: Range<u32>) -> Target {
@@ -200,11 +224,6 @@ impl Quad<'_> {
         };
         // Half a width longer at both ends, so that corners close.
         let (p, q) = (p - along * 0.5, q + along * 0.5);
-        [
-            corner(p - across, a),
-            corner(q - across, b),
-            corner(q + across, b),
-            corner(p + across, a),
-        ]
+        [corner(p - across, a), corner(q - across, b), corner(q + across, b), corner(p + across, a)]
     }
 }

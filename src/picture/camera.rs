@@ -60,6 +60,11 @@ impl Camera {
         Self { rotation, eye, center: (frame.min + frame.max) / 2.0, focal }
     }
 
+    /// The same view in a picture of another size.
+    pub fn scaled(&self, scale: f32) -> Self {
+        Self { center: self.center * scale, focal: self.focal * scale, ..self.clone() }
+    }
+
     /// A point of the scene's space in the camera's, the eye at the origin.
     pub fn place(&self, point: Vec3) -> Vec3 {
         self.rotation * point - self.eye

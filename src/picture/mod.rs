@@ -124,22 +124,80 @@ mod tests {
         (builder.mesh, sections)
     }
 
+    const SMALL: PictureOptions = PictureOptions { size: [320, 240], samples: 2 };
+
+    /// The part of the picture's pixels whose strongest channel is `channel`,
+    /// by a margin.
+    fn part(image: &RgbaImage, channel: usize) -> f64 {
+        let is_strong = |pixel: &image::Rgba<u8>| {
+            (0..3).all(|other| other == channel || pixel[channel] > pixel[other].saturating_add(25))
+        };
+        let count = image.pixels().filter(|&pixel| is_strong(pixel)).count();
+        count as f64 / f64::from(image.width() * image.height())
+    }
+
     #[test]
-    fn scratch() {
+    fn labels_appear_in_their_colours() {
         let (mesh, sections) = two_shapes();
-        let t = std::time::Instant::now();
-        let image = render(&mesh, &sections, &[], &PictureOptions::default());
-        eprintln!("{:?}", t.elapsed());
-        write_png(&image, &mut std::fs::File::create("/tmp/h6_a.png").unwrap()).unwrap();
-        let mut b = sphere(DVec3::ZERO, 4.0, [Label(3), Label(0)]);
-        b.append(view::tests::Builder { mesh });
-        for s in &mut b.mesh.sides { if s[1] == Label(0) && s[0] != Label(3) { s[1] = Label(3); } }
-        let image = render(&b.mesh, &sections, &[], &PictureOptions::default());
-        write_png(&image, &mut std::fs::File::create("/tmp/h6_b.png").unwrap()).unwrap();
-        let m = view::tests::turned(1000, 500, [Label(1), Label(0)], |t, a| { let r = 0.6 + 0.1 * (12.0 * t).sin() * (5.0 * a).cos(); let o = 2.0 + r * a.cos(); DVec3::new(o * t.cos(), o * t.sin(), r * a.sin()) });
-        let t = std::time::Instant::now();
-        let image = render(&m.mesh, &[], &[], &PictureOptions::default());
-        eprintln!("1M {:?}", t.elapsed());
-        write_png(&image, &mut std::fs::File::create("/tmp/h6_c.png").unwrap()).unwrap();
+        let material = |id, color| Material { id, name: format!("part {id}"), color };
+        let materials = [material(1, [200, 40, 40]), material(2, [40, 40, 200])];
+        let image = render(&mesh, &sections, &materials, &SMALL);
+        assert!(part(&image, 0) > 0.15, "{}", part(&image, 0));
+        assert!(part(&image, 2) > 0.05, "{}", part(&image, 2));
+        assert!(part(&image, 1) < 0.01, "only an axis is green: {}", part(&image, 1));
+    }
+
+    #[test]
+    fn contours_darken_the_surface() {
+        let (mesh, sections) = two_shapes();
+        let dark = |sections: &[Section]| {
+            let image = render(&mesh, sections, &[], &SMALL);
+            image.pixels().filter(|pixel| pixel.0[..3].iter().all(|&c| c < 110)).count()
+        };
+        assert!(dark(&sections) > dark(&[]) + 100);
+    }
+
+    #[test]
+    fn the_number_of_threads_does_not_matter() {
+        let (mesh, sections) = two_shapes();
+        let with_threads = |count| {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(count)
+                .build()
+                .map(|pool| pool.install(|| render(&mesh, &sections, &[], &SMALL)))
+                .map_err(|error| error.to_string())
+        };
+        assert_eq!(with_threads(1), with_threads(5));
+    }
+
+    #[test]
+    fn nothing_gives_an_empty_picture_of_the_right_size() {
+        let image = render(&Mesh::default(), &[], &[], &SMALL);
+        assert_eq!(image.dimensions(), (320, 240));
+        assert!(image.pixels().all(|pixel| pixel[3] == 255));
+    }
+
+    #[test]
+    fn a_picture_far_from_the_origin_looks_the_same() {
+        // As with map coordinates: 500 km east.
+        let (mut mesh, _) = two_shapes();
+        let near = render(&mesh, &[], &[], &SMALL);
+        mesh.vertices.iter_mut().for_each(|point| point.x += 500_000.0);
+        let far = render(&mesh, &[], &[], &SMALL);
+        let differing = near
+            .pixels()
+            .zip(far.pixels())
+            .filter(|(a, b)| (0..3).any(|channel| a[channel].abs_diff(b[channel]) > 8));
+        assert!(differing.count() < 20);
+    }
+
+    #[test]
+    fn the_written_file_is_that_picture() {
+        let (mesh, sections) = two_shapes();
+        let image = render(&mesh, &sections, &[], &SMALL);
+        let mut file = Vec::new();
+        write_png(&image, &mut file).expect("writing to memory");
+        let read = image::load_from_memory(&file).expect("a valid PNG").to_rgba8();
+        assert_eq!(read, image);
     }
 }

@@ -13,16 +13,16 @@ const CREASE: f32 = 0.6;
 /// weighted by their angles there.
 pub fn corner_normals(points: &[Vec3], facets: &[Facet]) -> Vec<[Vec3; 3]> {
     let around = Incidence::new(points.len(), facets);
-    let flat: Vec<Vec3> = facets.par_iter().map(|facet| flat_normal(points, facet)).collect();
+    let flat: Vec<Flat> = facets.par_iter().map(|facet| Flat::new(points, facet)).collect();
     let smooth = |number: usize, vertex: u32| {
-        let (own, normal) = (&facets[number], flat[number]);
+        let (own, normal) = (&facets[number], flat[number].normal);
         let sum: Vec3 = around
             .of(vertex)
             .iter()
-            .map(|&other| other as usize)
-            .filter(|&other| facets[other].material == own.material)
-            .filter(|&other| flat[other].dot(normal) > CREASE)
-            .map(|other| flat[other] * angle_at(points, &facets[other], vertex))
+            .map(|&corner| (corner as usize / 3, corner as usize % 3))
+            .filter(|&(other, _)| flat[other].normal.dot(normal) > CREASE)
+            .filter(|&(other, _)| facets[other].material == own.material)
+            .map(|(other, corner)| flat[other].normal * flat[other].angles[corner])
             .sum();
         sum.normalize_or(normal)
     };
@@ -32,23 +32,31 @@ pub fn corner_normals(points: &[Vec3], facets: &[Facet]) -> Vec<[Vec3; 3]> {
         .collect()
 }
 
-fn flat_normal(points: &[Vec3], facet: &Facet) -> Vec3 {
-    let [a, b, c] = facet.corners.map(|vertex| points[vertex as usize]);
-    (b - a).cross(c - a).normalize_or_zero()
+/// A facet's own normal, and its angles.
+struct Flat {
+    normal: Vec3,
+    angles: [f32; 3],
 }
 
-fn angle_at(points: &[Vec3], facet: &Facet, vertex: u32) -> f32 {
-    let first = facet.corners.iter().position(|&corner| corner == vertex).unwrap_or(0);
-    let [a, b, c] = [0, 1, 2].map(|i| points[facet.corners[(first + i) % 3] as usize]);
-    let (u, v) = (b - a, c - a);
-    u.cross(v).length().atan2(u.dot(v))
+impl Flat {
+    fn new(points: &[Vec3], facet: &Facet) -> Self {
+        let corners = facet.corners.map(|vertex| points[vertex as usize]);
+        let arms =
+            |i: usize| (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
+        let (u, v) = arms(0);
+        let cross = u.cross(v);
+        let area = cross.length();
+        let angles = [0, 1, 2].map(|i| area.atan2(arms(i).0.dot(arms(i).1)));
+        Self { normal: cross.normalize_or_zero(), angles }
+    }
 }
 
 /// The facets around each vertex.
 struct Incidence {
-    /// Where each vertex's facets begin in `facets`; one more than vertices.
+    /// Where each vertex's corners begin in `corners`; one more than vertices.
     starts: Vec<u32>,
-    facets: Vec<u32>,
+    /// Three times a facet plus the corner's number in it.
+    corners: Vec<u32>,
 }
 
 impl Incidence {
@@ -61,20 +69,18 @@ impl Incidence {
             starts[vertex + 1] += starts[vertex];
         }
         let mut next = starts.clone();
-        let mut around = vec![0u32; facets.len() * 3];
-        for (number, facet) in facets.iter().enumerate() {
-            for vertex in facet.corners {
-                let slot = &mut next[vertex as usize];
-                around[*slot as usize] = number as u32;
-                *slot += 1;
-            }
+        let mut corners = vec![0u32; facets.len() * 3];
+        for (number, vertex) in facets.iter().flat_map(|facet| facet.corners).enumerate() {
+            let slot = &mut next[vertex as usize];
+            corners[*slot as usize] = number as u32;
+            *slot += 1;
         }
-        Self { starts, facets: around }
+        Self { starts, corners }
     }
 
     fn of(&self, vertex: u32) -> &[u32] {
         let [start, end] = [0, 1].map(|i| self.starts[vertex as usize + i] as usize);
-        &self.facets[start..end]
+        &self.corners[start..end]
     }
 }
 

@@ -1,5 +1,5 @@
-//! How much of the sky each pixel sees: ambient occlusion from a depth buffer
-//! with one sample a pixel.
+//! How much of the sky each place sees: ambient occlusion from a depth buffer
+//! with one sample for 2 × 2 pixels.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -9,11 +9,14 @@ use super::raster::{NOTHING, Target, edge_functions};
 use super::scene::Scene;
 
 /// Points looked at around each pixel.
-const PROBES: usize = 32;
+const PROBES: usize = 24;
 /// How far away something can occlude, over the scene's diagonal.
 const REACH: f32 = 0.14;
 
-/// The part of the sky that is free, pixel by pixel.
+/// The size of the depth buffer over that of the picture.
+const SCALE: f32 = 0.5;
+
+/// The part of the sky that is free, pixel by pixel of the smaller buffer.
 pub struct Occlusion {
     width: usize,
     height: usize,
@@ -22,10 +25,13 @@ pub struct Occlusion {
 }
 
 impl Occlusion {
-    /// Looks at the solid layer alone.
-    pub fn new(scene: &Scene, camera: &Camera, [width, height]: [u32; 2]) -> Self {
+    /// Looks at the solid layer alone, in a picture of this size.
+    pub fn new(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Self {
+        let camera = &camera.scaled(SCALE);
+        let [width, height] = size.map(|side| (side as f32 * SCALE).ceil() as u32);
         let (depth, normals) = depth_and_normals(scene, camera, [width, height]);
-        let probing = Probing { camera, width, height, near: &depth, reach: scene.diagonal * REACH };
+        let probing =
+            Probing { camera, width, height, near: &depth, reach: scene.diagonal * REACH };
         let rough: Vec<f32> = (0..depth.len())
             .into_par_iter()
             .map(|pixel| if depth[pixel] > 0.0 { probing.free(pixel, normals[pixel]) } else { 1.0 })
@@ -36,10 +42,10 @@ impl Occlusion {
         occlusion
     }
 
-    /// The free part at a place in pixels, from the neighbouring pixel whose
+    /// The free part at a place in the picture's pixels, from the neighbouring pixel whose
     /// distance fits best, so that nothing bleeds over silhouettes.
     pub fn at(&self, place: Vec2, near: f32) -> f32 {
-        let corner = place - 0.5;
+        let corner = place * SCALE - 0.5;
         let mut sum = (0.0, 0.0);
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let column = (corner.x.floor() as i64 + dx).clamp(0, self.width as i64 - 1);
@@ -149,12 +155,8 @@ impl Probing<'_> {
 }
 
 /// An ordered dither: every sixteenth of a turn once in 4 × 4 pixels.
-const TURNS: [[f32; 4]; 4] = [
-    [0.0, 8.0, 2.0, 10.0],
-    [12.0, 4.0, 14.0, 6.0],
-    [3.0, 11.0, 1.0, 9.0],
-    [15.0, 7.0, 13.0, 5.0],
-];
+const TURNS: [[f32; 4]; 4] =
+    [[0.0, 8.0, 2.0, 10.0], [12.0, 4.0, 14.0, 6.0], [3.0, 11.0, 1.0, 9.0], [15.0, 7.0, 13.0, 5.0]];
 
 /// A direction over the hemisphere by cosine, and a distance in (0, 1): most
 /// probes are close.

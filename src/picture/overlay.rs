@@ -42,14 +42,16 @@ impl<'a> Legend<'a> {
     pub fn draw(&self, image: &mut RgbaImage) {
         let pitch = self.font.line() * 3 / 2;
         let room = (image.height() / pitch).saturating_sub(2) as usize;
-        let shown = if self.paints.len() > room { room.saturating_sub(1) } else { self.paints.len() };
+        let shown =
+            if self.paints.len() > room { room.saturating_sub(1) } else { self.paints.len() };
         let left = image.width().saturating_sub(self.width);
         let lines = shown + usize::from(shown < self.paints.len());
         let mut top = image.height().saturating_sub(pitch * lines as u32) / 2;
         let text_left = left + self.font.line() * 5 / 4;
         for paint in &self.paints[..shown] {
             let radius = self.font.line() as f32 * 0.36;
-            let center = Vec2::new(left as f32 + radius, top as f32 + self.font.line() as f32 / 2.0);
+            let center =
+                Vec2::new(left as f32 + radius, top as f32 + self.font.line() as f32 / 2.0);
             disc(image, center, radius, paint.color);
             self.font.draw(image, &self.fitting(&paint.name), [text_left, top], INK);
             top += pitch;

@@ -76,8 +76,11 @@ impl Scene {
             .unwrap_or(Bounds { min: DVec3::ZERO, max: DVec3::ONE });
         let center = (bounds.min + bounds.max) / 2.0;
 
-        let labels = occurring_labels(mesh, sections);
-        let roles = Roles { glass: glass_labels(mesh), labels };
+        let shared = shared_areas(mesh);
+        let roles = Roles {
+            glass: glass_labels(&shared),
+            labels: occurring_labels(shared.keys().copied(), sections),
+        };
         let mut scene = Self {
             points: mesh.vertices.iter().map(|&point| (point - center).as_vec3()).collect(),
             solid: Layer::default(),
@@ -168,8 +171,7 @@ impl Roles {
     }
 }
 
-fn occurring_labels(mesh: &Mesh, sections: &[Section]) -> Vec<Label> {
-    let on_mesh = mesh.sides.iter().flatten().copied();
+fn occurring_labels(on_mesh: impl Iterator<Item = Label>, sections: &[Section]) -> Vec<Label> {
     let mut labels: Vec<Label> = on_mesh
         .chain(sections.iter().flat_map(Section::labels))
         .filter(|label| label.is_material())
@@ -191,8 +193,7 @@ const SHOWN_PART: f64 = 0.15;
 
 /// The materials to draw as glass: as long as there is a hidden material, the
 /// neighbour that it shares most of its surface with becomes glass.
-fn glass_labels(mesh: &Mesh) -> Vec<Label> {
-    let shared = shared_areas(mesh);
+fn glass_labels(shared: &Shared) -> Vec<Label> {
     let mut glass: Vec<Label> = Vec::new();
     loop {
         let most_hidden = shared
@@ -223,11 +224,15 @@ fn hider(areas: &BTreeMap<Label, f64>, glass: &[Label]) -> Option<(f64, Label)> 
 }
 
 /// For every material the area that it shares with each neighbour.
-fn shared_areas(mesh: &Mesh) -> BTreeMap<Label, BTreeMap<Label, f64>> {
-    let mut shared: BTreeMap<Label, BTreeMap<Label, f64>> = BTreeMap::new();
-    for (triangle, &[back, front]) in mesh.triangles.iter().zip(&mesh.sides) {
-        let [a, b, c] = triangle.map(|vertex| mesh.vertices[vertex as usize]);
-        let area = (b - a).cross(c - a).length() / 2.0;
+type Shared = BTreeMap<Label, BTreeMap<Label, f64>>;
+
+fn shared_areas(mesh: &Mesh) -> Shared {
+    let mut shared = Shared::new();
+    let mut first = 0;
+    for run in mesh.sides.chunk_by(PartialEq::eq) {
+        let area: f64 = mesh.triangles[first..][..run.len()].iter().map(|t| area(mesh, t)).sum();
+        first += run.len();
+        let [back, front] = run[0];
         for (label, neighbor) in [(back, front), (front, back)] {
             if label.is_material() {
                 *shared.entry(label).or_default().entry(neighbor).or_default() += area;
@@ -235,6 +240,11 @@ fn shared_areas(mesh: &Mesh) -> BTreeMap<Label, BTreeMap<Label, f64>> {
         }
     }
     shared
+}
+
+fn area(mesh: &Mesh, triangle: &[u32; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|vertex| mesh.vertices[vertex as usize]);
+    (b - a).cross(c - a).length() / 2.0
 }
 
 #[cfg(test)]
@@ -251,9 +261,12 @@ mod tests {
         assert_eq!(scene.glass[0].facets[0].material, 0);
         assert!(scene.solid.facets.iter().all(|facet| facet.material == 1));
         // The organ's facets face outward, though the network has them inward.
-        let outward = scene.solid.normals.iter().zip(&scene.solid.facets).all(|(n, facet)| {
-            n[0].dot(scene.points[facet.corners[0] as usize]) > 0.0
-        });
+        let outward = scene
+            .solid
+            .normals
+            .iter()
+            .zip(&scene.solid.facets)
+            .all(|(n, facet)| n[0].dot(scene.points[facet.corners[0] as usize]) > 0.0);
         assert!(outward);
     }
 

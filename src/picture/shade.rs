@@ -4,11 +4,11 @@
 use glam::Vec3;
 
 /// The main light: from the upper left, a little warm.
-const KEY: (Vec3, Vec3) = (Vec3::new(-0.447, 0.600, 0.663), Vec3::new(0.80, 0.77, 0.72));
+const KEY: (Vec3, Vec3) = (Vec3::new(-0.447, 0.600, 0.663), Vec3::new(0.66, 0.64, 0.60));
 /// A weak cool one from the right, so that no side is dead.
 const FILL: (Vec3, Vec3) = (Vec3::new(0.862, -0.020, 0.506), Vec3::new(0.13, 0.14, 0.16));
 /// What comes from everywhere: from above and from below.
-const SKY: Vec3 = Vec3::new(0.46, 0.47, 0.49);
+const SKY: Vec3 = Vec3::new(0.42, 0.43, 0.45);
 const GROUND: Vec3 = Vec3::new(0.24, 0.22, 0.20);
 
 /// The light from a dull, slightly glossy surface. `free` is the part of the
@@ -16,9 +16,9 @@ const GROUND: Vec3 = Vec3::new(0.24, 0.22, 0.20);
 pub fn surface(albedo: Vec3, normal: Vec3, to_eye: Vec3, free: f32) -> Vec3 {
     let sky = GROUND.lerp(SKY, normal.y * 0.5 + 0.5) * free;
     // Light that occluders hold off dims the lamps too, but less.
-    let open = 0.35 + 0.65 * free;
+    let open = 0.3 + 0.7 * free;
     let lamps = (lambert(normal, KEY) + lambert(normal, FILL)) * open;
-    let rim = (1.0 - normal.dot(to_eye).max(0.0)).powi(4) * 0.10 * free;
+    let rim = (1.0 - normal.dot(to_eye).max(0.0)).powi(4) * 0.05 * free;
     albedo * (sky + lamps) + Vec3::splat(gloss(normal, to_eye, 40.0) * 0.07 * open + rim)
 }
 

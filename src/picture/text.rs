@@ -33,8 +33,8 @@ impl Font {
     /// picture is cut off.
     pub fn draw(self, image: &mut RgbaImage, text: &str, [left, top]: [u32; 2], color: [u8; 3]) {
         for (number, letter) in text.chars().enumerate() {
-            let glyph = get_raster(letter, WEIGHT, self.0)
-                .or_else(|| get_raster('?', WEIGHT, self.0));
+            let glyph =
+                get_raster(letter, WEIGHT, self.0).or_else(|| get_raster('?', WEIGHT, self.0));
             let Some(glyph) = glyph else { continue };
             let start = left + (number * glyph.width()) as u32;
             for (row, line) in glyph.rows().enumerate() {
