@@ -9,6 +9,8 @@ pub mod grid;
 pub mod io;
 pub mod label;
 pub mod mesh;
+pub mod picture;
 pub mod plane;
 pub mod progress;
 pub mod section;
+pub mod slice;
