@@ -2,5 +2,5 @@
 //! them, in few calls; every function that can throw returns a `Result`.
 
 pub mod measure;
-pub mod threads;
 pub mod partition;
+pub mod threads;
