@@ -3,3 +3,4 @@
 
 pub mod arrangement;
 pub mod measure;
+pub mod partition;
