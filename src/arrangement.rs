@@ -123,7 +123,7 @@ impl Arrangement {
     /// is on a plane to rounding. A point outside the box counts as the
     /// nearest one in it.
     pub fn locate(&self, point: DVec3) -> u32 {
-        Locator::new(self, Bounds { min: point, max: point }).locate(point)
+        self.cell_of(point)
     }
 
     /// What locates many points of a region of the box.

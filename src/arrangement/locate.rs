@@ -69,21 +69,12 @@ impl<'a> Locator<'a> {
     pub fn locate(&self, point: DVec3) -> u32 {
         let bounds = self.arrangement.bounds;
         let point = point.clamp(bounds.min, bounds.max);
-        let front = |plane: u32| {
-            let plane = &self.arrangement.planes[plane as usize];
-            plane.normal.dot(point) >= plane.offset
-        };
         let found = if self.table.is_empty() {
-            let mut name = self.name.clone();
-            for &plane in &self.cutting {
-                signs::set(&mut name, plane as usize, if front(plane) { 1 } else { -1 });
-            }
-            self.arrangement.topology.index.get(name.as_slice()).copied()
+            self.arrangement.cell_beside(self.name.clone(), &self.cutting, point)
         } else {
-            let bits = self.cutting.iter().enumerate();
-            let sides =
-                bits.fold(0, |sides, (bit, &plane)| sides | usize::from(front(plane)) << bit);
-            self.table[sides]
+            let planes = self.cutting.iter().enumerate();
+            let front = |plane: u32| self.arrangement.side(plane, point) > 0;
+            self.table[planes.fold(0, |bits, (i, &plane)| bits | usize::from(front(plane)) << i)]
         };
         found.unwrap_or_else(|| self.arrangement.nearest_cell(point))
     }
@@ -100,6 +91,29 @@ impl<'a> Locator<'a> {
 }
 
 impl Arrangement {
+    /// The cell of a point, by its sides of all planes.
+    pub(super) fn cell_of(&self, point: DVec3) -> u32 {
+        let point = point.clamp(self.bounds.min, self.bounds.max);
+        let name = self.topology.cells[0].words().to_vec();
+        let found = self.cell_beside(name, &self.topology.cutting, point);
+        found.unwrap_or_else(|| self.nearest_cell(point))
+    }
+
+    /// The cell with a name but for some planes, of which it is on the same
+    /// side as a point.
+    fn cell_beside(&self, mut name: Vec<u64>, planes: &[u32], point: DVec3) -> Option<u32> {
+        for &plane in planes {
+            signs::set(&mut name, plane as usize, self.side(plane, point));
+        }
+        self.topology.index.get(name.as_slice()).copied()
+    }
+
+    /// The side (−1, 1) of a plane that a point is on, to rounding.
+    fn side(&self, plane: u32, point: DVec3) -> i8 {
+        let plane = &self.planes[plane as usize];
+        if plane.normal.dot(point) >= plane.offset { 1 } else { -1 }
+    }
+
     /// The cell to whose planes a point is nearest, for one that rounding has
     /// put on sides that no cell has.
     fn nearest_cell(&self, point: DVec3) -> u32 {
