@@ -128,8 +128,7 @@ fn edge_term<const N: usize, const FMA: bool>(
     // cross(p, q) = cross(p, d) and p·q + γ² = r_p² + p·d, with d = q − p.
     let cross = px * dy - py * dx;
     let dot = px.mul_add(dx, py.mul_add(dy, start.r_squared));
-    let c_squared =
-        cross.mul_add(cross, gamma_squared * Lanes::splat(edge.span_squared));
+    let c_squared = cross.mul_add(cross, gamma_squared * Lanes::splat(edge.span_squared));
     let inverse = start.r.mul_add(end.r, dot.map(f32::abs)).reciprocal();
     let tangent_squared = (c_squared * inverse) * inverse;
     let ratio = Lanes::splat(2.0) * tangent_squared.arctangent_ratio() * inverse;

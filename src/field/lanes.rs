@@ -100,3 +100,28 @@ impl<const N: usize, const FMA: bool> Mul for Lanes<N, FMA> {
         Self(from_fn(|lane| self.0[lane] * other.0[lane]))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arctangent_ratio_is_accurate() {
+        let steps = 10_000;
+        for i in 1..=steps {
+            let t = f64::from(i) / f64::from(steps);
+            let found = Lanes::<8, false>::splat((t * t) as f32).arctangent_ratio().0[0];
+            let error = f64::from(found) * t / t.atan() - 1.0;
+            assert!(error.abs() < 2.5e-7, "atan {t}: {error:e}");
+        }
+    }
+
+    #[test]
+    fn negative_lanes_are_found_and_chosen() {
+        let mixed = Lanes::<4, false>([1.0, -1.0, 0.0, -0.5]);
+        assert!(mixed.any_negative());
+        assert!(!mixed.map(f32::abs).any_negative());
+        let chosen = mixed.if_negative(Lanes::splat(7.0), Lanes::splat(9.0));
+        assert_eq!(chosen.0, [9.0, 7.0, 9.0, 7.0]);
+    }
+}

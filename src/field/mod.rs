@@ -152,8 +152,7 @@ fn checked_clearance(arrangement: &Arrangement, clearance: f64) -> Result<f64> {
 const SMALLEST_CLEARANCE: f64 = 1e-9;
 
 fn refuse_unknown(arrangement: &Arrangement) -> Result<()> {
-    let Some(face) =
-        arrangement.faces().iter().find(|face| face.labels.contains(&Label::UNKNOWN))
+    let Some(face) = arrangement.faces().iter().find(|face| face.labels.contains(&Label::UNKNOWN))
     else {
         return Ok(());
     };

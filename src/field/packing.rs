@@ -265,3 +265,53 @@ fn take_unused(candidates: &mut Vec<usize>, used: &[bool]) -> Option<usize> {
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece(start: (f64, f64), end: (f64, f64)) -> Piece {
+        let lift = |(x, y)| DVec3::new(x, y, 0.0);
+        Piece { start: lift(start), end: lift(end) }
+    }
+
+    fn lengths(pieces: &[Piece]) -> Vec<usize> {
+        let trails = trails(pieces);
+        for trail in &trails {
+            for pair in trail.windows(2) {
+                assert_eq!(pair[0].end, pair[1].start);
+            }
+        }
+        trails.iter().map(Vec::len).collect()
+    }
+
+    /// Two triangles that share a corner: one trail, or two, but every piece.
+    #[test]
+    fn closed_loops_become_trails() {
+        let [o, a, b, c, d] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (-1.0, 0.0), (-1.0, -1.0)];
+        let triangle = [piece(o, a), piece(a, b), piece(b, o)];
+        assert_eq!(lengths(&triangle), [3]);
+        let both = [triangle.to_vec(), vec![piece(o, c), piece(c, d), piece(d, o)]].concat();
+        assert_eq!(lengths(&both).iter().sum::<usize>(), 6);
+    }
+
+    /// A path given in the wrong order is still one trail, from its beginning.
+    #[test]
+    fn open_paths_start_at_their_beginning() {
+        let [a, b, c, d] = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (3.0, 1.0)];
+        let path = [piece(b, c), piece(c, d), piece(a, b)];
+        assert_eq!(lengths(&path), [3]);
+        assert_eq!(key(trails(&path)[0][0].start), key(DVec3::ZERO));
+    }
+
+    #[test]
+    fn split_loses_nothing_that_f32_could_keep() {
+        for value in [0.0, 0.1, -0.7, 0.999_999, 1e-9, -3.3e-5] {
+            let (coarse, rest) = split(value);
+            let error = (f64::from(coarse) + f64::from(rest) - value).abs();
+            assert!(error < 4e-15, "{value}: {error:e}");
+            let steps = f64::from(coarse) * f64::from(1 << 24);
+            assert_eq!(steps, steps.round(), "{value} off the grid");
+        }
+    }
+}

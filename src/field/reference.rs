@@ -161,3 +161,98 @@ fn edge_sum(p: DVec2, q: DVec2, gamma: f64) -> f64 {
     }
     c.atan2(p.dot(q) + gamma * gamma) * cross / c
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::fixture::Random;
+
+    /// Nodes and weights of Gauss–Legendre quadrature on [0, 1], by Newton's
+    /// method on the Legendre polynomial.
+    fn gauss(count: usize) -> Vec<(f64, f64)> {
+        (0..count)
+            .map(|i| {
+                let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
+                let mut slope = 1.0;
+                for _ in 0..50 {
+                    let (mut last, mut value) = (1.0, x);
+                    for n in 2..=count {
+                        let n = n as f64;
+                        (last, value) =
+                            (value, ((2.0 * n - 1.0) * x * value - (n - 1.0) * last) / n);
+                    }
+                    slope = count as f64 * (x * value - last) / (x * x - 1.0);
+                    x -= value / slope;
+                }
+                ((x + 1.0) / 2.0, 1.0 / ((1.0 - x * x) * slope * slope))
+            })
+            .collect()
+    }
+
+    /// ∬ γ / (‖y‖² + γ²)² dA over a triangle cut into 4^depth.
+    fn integrate([a, b, c]: [DVec2; 3], gamma: f64, depth: u32, rule: &[(f64, f64)]) -> f64 {
+        if depth > 0 {
+            let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+            let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+            return quarters.iter().map(|&t| integrate(t, gamma, depth - 1, rule)).sum();
+        }
+        let doubled_area = (b - a).perp_dot(c - a);
+        let mut sum = 0.0;
+        for &(s, weight_s) in rule {
+            for &(t, weight_t) in rule {
+                // The unit square onto the triangle; the Jacobian is s.
+                let y = a + s * (b - a) + s * t * (c - b);
+                sum +=
+                    weight_s * weight_t * s * gamma / (y.length_squared() + gamma * gamma).powi(2);
+            }
+        }
+        sum * doubled_area
+    }
+
+    /// A star about `centre`, not convex, counter-clockwise.
+    fn star(centre: DVec2, random: &mut Random) -> Vec<DVec2> {
+        (0..9)
+            .map(|i| std::f64::consts::TAU * f64::from(i) / 9.0)
+            .map(|angle| centre + (0.3 + random.unit()) * DVec2::from_angle(angle))
+            .collect()
+    }
+
+    fn sides(corners: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
+        corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
+    }
+
+    /// The closed form is the integral.
+    #[test]
+    fn closed_form_is_the_integral() {
+        let rule = gauss(16);
+        let mut random = Random(20);
+        for centre in [DVec2::ZERO, DVec2::new(0.7, -0.2), DVec2::new(-3.0, 1.0)] {
+            for gamma in [0.2, 0.5, 2.0] {
+                let star = star(centre, &mut random);
+                let closed: f64 =
+                    sides(&star).map(|(p, q)| edge_sum(p, q, gamma) / (2.0 * gamma)).sum();
+                let integral: f64 =
+                    sides(&star).map(|(p, q)| integrate([centre, p, q], gamma, 3, &rule)).sum();
+                let error = (closed - integral).abs() / integral;
+                assert!(error < 1e-9, "centre {centre}, γ {gamma}: {error:e}");
+            }
+        }
+    }
+
+    /// A plane seen from above is a hemisphere: ∬ γ / r⁴ dA = π / γ.
+    #[test]
+    fn a_whole_plane_weighs_pi_over_gamma() {
+        let gamma = 0.25;
+        let square = [(-1e7, -1e7), (1e7, -1e7), (1e7, 1e7), (-1e7, 1e7)].map(DVec2::from);
+        let found: f64 = sides(&square).map(|(p, q)| edge_sum(p, q, gamma) / (2.0 * gamma)).sum();
+        assert!((found * gamma / std::f64::consts::PI - 1.0).abs() < 1e-12);
+    }
+
+    /// An edge turned round changes its sign, and one without length is none.
+    #[test]
+    fn edges_are_directed() {
+        let (p, q) = (DVec2::new(0.3, 0.1), DVec2::new(-0.5, 0.8));
+        assert!((edge_sum(p, q, 0.1) + edge_sum(q, p, 0.1)).abs() < 1e-15);
+        assert_eq!(edge_sum(p, p, 0.1), 0.0);
+    }
+}

@@ -8,6 +8,9 @@ use crate::field::packing::PackedCell;
 /// Points of one workgroup: GROUP · POINTS of `shaders/field_types.wgsl`.
 const GROUP: usize = 256;
 
+/// Points of 32 invocations.
+const WAVE: usize = 128;
+
 /// What one dispatch may take.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
@@ -105,6 +108,7 @@ impl Batch {
         self.targets.push(target);
         self.points.extend(points.iter().map(|&point| DevicePoint::new(cell.localize(point))));
         self.value_count += points.len() * target.labels;
-        self.work += (GROUP * cell.edges.len()) as u64;
+        // Invocations work in waves: a few points cost as much as a wave does.
+        self.work += (points.len().next_multiple_of(WAVE) * cell.edges.len()) as u64;
     }
 }

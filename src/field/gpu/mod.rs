@@ -75,7 +75,9 @@ impl Gpu {
         let groups = batch.jobs.len() as u32;
         let weights =
             self.connection.dispatch(&self.pipeline, &inputs, groups, batch.value_count)?;
-        normalise(&weights, batch, values)?;
+        if !normalise(&weights, batch, values) {
+            return Err(self.garbage("an empty result"));
+        }
         self.spot_check(queries, batch, values)
     }
 
@@ -93,22 +95,18 @@ impl Gpu {
             let point = target.point..target.point + 1;
             self.cpu.evaluate_in(target.cell, &queries.points[point], &mut expected);
             probes += 1;
-            wrong += usize::from(
-                found.iter().zip(&expected).any(|(f, e)| (f - e).abs() > TOLERANCE),
-            );
+            wrong +=
+                usize::from(found.iter().zip(&expected).any(|(f, e)| (f - e).abs() > TOLERANCE));
         }
         if 2 * wrong > probes { Err(self.garbage("values unlike the CPU's")) } else { Ok(()) }
     }
 
     fn garbage(&self, what: &str) -> Error {
-        garbage(self.adapter_name(), what)
+        let name = self.adapter_name();
+        Error::Device(format!(
+            "{name} returned {what}; its driver may have ended the work early: use --device cpu"
+        ))
     }
-}
-
-fn garbage(adapter: &str, what: &str) -> Error {
-    Error::Device(format!(
-        "{adapter} returned {what}; its driver may have ended the work early: use --device cpu"
-    ))
 }
 
 impl Field for Gpu {
@@ -135,8 +133,8 @@ impl Field for Gpu {
     }
 }
 
-/// f from W for all points of a batch.
-fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> Result<()> {
+/// f from W for all points of a batch; false when a sum W cannot be one.
+fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> bool {
     for (job, target) in batch.jobs.iter().zip(&batch.targets) {
         let count = job.points as usize * target.labels;
         let first = job.first_value as usize;
@@ -145,16 +143,21 @@ fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> Result<()> {
         for (weights, values) in weights.zip(values) {
             let total: f32 = weights.iter().sum();
             if !(total.is_finite() && total > 0.0) {
-                return Err(garbage("the GPU", "an empty result"));
+                return false;
             }
             indicator(weights.iter().copied(), values);
         }
     }
-    Ok(())
+    true
 }
 
 #[cfg(test)]
 mod tests {
+    use super::batch::{Batch, Limits, batches};
+    use super::normalise;
+    use crate::field::fixture::{Random, Stack, busy_stack};
+    use crate::field::packing::pack;
+    use crate::field::{Queries, Run};
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     /// Needs no GPU.
@@ -187,5 +190,56 @@ mod tests {
                 module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name)).unwrap();
             assert_eq!(found.inner.size(context) as usize, size, "{name}");
         }
+    }
+
+    fn stack_batches(limits: Limits) -> (Queries, Vec<Batch>) {
+        let mut random = Random(30);
+        let stack: Stack = busy_stack(&mut random, 3, 10);
+        let mut queries = stack.queries(&mut random, 1000);
+        queries.runs.push(Run { cell: 0, points: 2000..2000 });
+        let cells = pack(&stack.arrangement(), 1e-6).unwrap();
+        let batches = batches(&cells, &queries, limits).collect();
+        (queries, batches)
+    }
+
+    /// Every point is in one job, and no batch is over its limits.
+    #[test]
+    fn batches_cover_the_query() {
+        let generous = Limits { work: u64::MAX, groups: 65_535, bytes: 1 << 27 };
+        let (queries, whole) = stack_batches(generous);
+        assert_eq!(whole.len(), 1);
+        assert_eq!(whole[0].points.len(), queries.points.len());
+        for limits in [
+            Limits { groups: 3, ..generous },
+            Limits { work: 1, ..generous },
+            Limits { bytes: 1 << 14, ..generous },
+        ] {
+            let (_, batches) = stack_batches(limits);
+            assert!(batches.len() > 1);
+            assert!(batches.iter().all(|batch| batch.jobs.len() <= limits.groups));
+            let targets = batches.iter().flat_map(|batch| &batch.targets);
+            let jobs = batches.iter().flat_map(|batch| &batch.jobs);
+            let mut next = 0;
+            for (target, job) in targets.zip(jobs) {
+                assert_eq!((target.point, target.value), (next, 4 * next));
+                next += job.points as usize;
+            }
+            assert_eq!(next, queries.points.len());
+        }
+    }
+
+    /// A device that did nothing leaves zeros, which no point can have.
+    #[test]
+    fn empty_results_are_noticed() {
+        let (queries, batches) =
+            stack_batches(Limits { work: u64::MAX, groups: 65_535, bytes: 1 << 27 });
+        let mut values = vec![1.0; queries.points.len() * 4];
+        let mut weights = vec![0.5; batches[0].value_count];
+        assert!(normalise(&weights, &batches[0], &mut values));
+        assert!(values.iter().all(|&f| f == -0.5));
+        weights[4..8].fill(0.0);
+        assert!(!normalise(&weights, &batches[0], &mut values));
+        weights[4..8].fill(f32::NAN);
+        assert!(!normalise(&weights, &batches[0], &mut values));
     }
 }
