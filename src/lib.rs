@@ -2,6 +2,7 @@
 //! cross-sections of any orientation.
 
 pub mod arrangement;
+pub mod check;
 pub mod error;
 pub mod ffi;
 pub mod field;
