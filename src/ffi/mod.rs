@@ -2,3 +2,4 @@
 //! them, in few calls; every function that can throw returns a `Result`.
 
 pub mod measure;
+pub mod partition;
