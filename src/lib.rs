@@ -8,6 +8,7 @@ pub mod error;
 pub mod ffi;
 pub mod field;
 pub mod grid;
+pub mod inspect;
 pub mod io;
 pub mod label;
 pub mod mesh;

@@ -197,6 +197,9 @@ fn borders_of(triangle: [u32; 3], [back, front]: [Label; 2]) -> impl Iterator<It
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::samples::Lattice;
+    use crate::mesh::{dual, shapes};
+    use crate::progress::Silent;
 
     const UNIT: Bounds = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
 
@@ -281,5 +284,92 @@ mod tests {
         let mut mesh = tetrahedron(1.0);
         mesh.vertices[3].x = f64::NAN;
         assert!(check(&mesh).expect_err("not a number").to_string().contains("number 3"));
+    }
+
+    /// The area of a label on a section, by the shoelace formula on the plane.
+    fn area(section: &Section, label: Label) -> f64 {
+        let normal = section.plane().unit_normal();
+        let base = section.edges().first().map_or(DVec3::ZERO, |edge| section.point(edge.start));
+        let swept = |start: u32, end: u32| {
+            (section.point(start) - base).cross(section.point(end) - base).dot(normal) / 2.0
+        };
+        let edges = section.edges().iter();
+        edges
+            .map(|edge| match label {
+                _ if edge.left == label => swept(edge.start, edge.end),
+                _ if edge.right == label => swept(edge.end, edge.start),
+                _ => 0.0,
+            })
+            .sum()
+    }
+
+    fn one_section(mesh: &Mesh, normal: DVec3, offset: f64) -> Section {
+        slice(mesh, &[Plane { normal, offset }]).expect("a closed mesh").remove(0)
+    }
+
+    #[test]
+    fn a_tetrahedron_is_cut_in_a_triangle() {
+        // At a quarter of its height the legs are three quarters: 1.5.
+        let section = one_section(&tetrahedron(2.0), DVec3::Z, 0.5);
+        assert_eq!(section.vertices().len(), 3);
+        assert_eq!(area(&section, Label(1)), 1.125);
+        // Seen from below the same region is on the same side of its border.
+        let below = one_section(&tetrahedron(2.0), DVec3::NEG_Z, -0.5);
+        assert_eq!(area(&below, Label(1)), 1.125);
+        assert_eq!(below.background(), Label::OUTSIDE);
+    }
+
+    #[test]
+    fn slices_add_up_to_the_volume() {
+        // The area at height z is (1 − z)²/2; the midpoint rule misses its
+        // integral by h²/24 times the change of its derivative, here 1: 4e-6.
+        let mesh = tetrahedron(1.0);
+        let bounds = mesh.bounds().expect("vertices");
+        let planes = Family::Axis { axis: 2, count: 100 }.planes(&bounds).expect("an axis");
+        let sections = slice(&mesh, &planes).expect("a closed mesh");
+        let volume: f64 = sections.iter().map(|section| area(section, Label(1)) / 100.0).sum();
+        assert!((volume - 1.0 / 6.0).abs() < 1e-5, "{volume}");
+    }
+
+    #[test]
+    fn vertices_and_faces_on_the_plane_count_as_above() {
+        let mesh = tetrahedron(2.0);
+        assert!(one_section(&mesh, DVec3::Z, 0.0).edges().is_empty(), "the bottom: all above");
+        assert!(one_section(&mesh, DVec3::Z, 2.0).edges().is_empty(), "the tip: a point");
+        assert!(one_section(&mesh, DVec3::Z, 3.0).edges().is_empty(), "beyond");
+        // From the other side, the bottom is the last that is above.
+        assert_eq!(area(&one_section(&mesh, DVec3::NEG_Z, 0.0), Label(1)), 2.0);
+        // Through an edge and the middle of the opposite one.
+        let diagonal = one_section(&mesh, DVec3::new(1.0, -1.0, 0.0), 0.0);
+        assert!((area(&diagonal, Label(1)) - 2.0f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn two_materials_keep_their_border_on_any_plane() {
+        // Two balls that overlap; the first one has what both claim.
+        let lattice = Lattice { origin: DVec3::splat(-1.0), voxel: 0.05, dims: [41; 3] };
+        let ball = |point: DVec3, x: f64| 0.5 - (point - DVec3::X * x).length();
+        let network = shapes::samples(lattice, |node| {
+            let point = lattice.position(node);
+            let [first, second] = [ball(point, -0.25), ball(point, 0.25)];
+            let clamp = |value: f64| (value / 0.15).clamp(-1.0, 1.0) as f32;
+            vec![clamp(first), clamp(second.min(-first))]
+        });
+        let mesh = dual(&network, &Silent).expect("samples of two balls");
+        let bounds = mesh.bounds().expect("vertices");
+        let planes = Family::Random { count: 60, seed: 3 }.planes(&bounds).expect("planes");
+        let sections = slice(&mesh, &planes).expect("a closed network");
+        for (plane, section) in planes.iter().zip(&sections) {
+            // A plane's part of a ball is a disc.
+            let gap = plane.distance(DVec3::X * -0.25);
+            let exact = std::f64::consts::PI * (0.25 - gap * gap).max(0.0);
+            // Half a voxel around a great circle would be 0.08.
+            let off = area(section, Label(1)) - exact;
+            assert!(off.abs() < 0.04, "{off} on {plane:?}");
+        }
+        let shares_border = |section: &&Section| {
+            section.edges().iter().any(|edge| edge.left.is_material() && edge.right.is_material())
+        };
+        assert!(sections.iter().filter(shares_border).count() > 20);
     }
 }
