@@ -6,6 +6,7 @@ pub mod error;
 pub mod ffi;
 pub mod field;
 pub mod grid;
+pub mod io;
 pub mod label;
 pub mod mesh;
 pub mod plane;

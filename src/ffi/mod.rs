@@ -1,4 +1,6 @@
 //! The bridges to C++: the only place where `cxx` appears. Flat slices cross
 //! them, in few calls; every function that can throw returns a `Result`.
 
+pub mod grid;
 pub mod measure;
+pub mod vdb;

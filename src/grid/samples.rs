@@ -56,6 +56,32 @@ pub struct Leaf {
     pub materials: Vec<LeafValues>,
 }
 
+impl Leaf {
+    /// How much of a node is this label, in [0, 1]: (f + 1) / 2 for a
+    /// material, and for *outside* what the materials leave of 1.
+    pub fn share(&self, node: usize, label: Label) -> f64 {
+        let share = |material: &LeafValues| (f64::from(material.values[node]) + 1.0) / 2.0;
+        if label == Label::OUTSIDE {
+            return 1.0 - self.materials.iter().map(share).sum::<f64>();
+        }
+        self.materials.iter().find(|material| material.label == label).map_or(0.0, share)
+    }
+
+    /// The label of every node: the one with the largest share, of equals the
+    /// smallest.
+    pub fn labels(&self) -> Vec<Label> {
+        (0..LEAF_NODES)
+            .map(|node| {
+                let outside = (Label::OUTSIDE, self.share(node, Label::OUTSIDE));
+                let materials = self.materials.iter().map(|material| {
+                    (material.label, (f64::from(material.values[node]) + 1.0) / 2.0)
+                });
+                materials.fold(outside, |best, next| if next.1 > best.1 { next } else { best }).0
+            })
+            .collect()
+    }
+}
+
 /// Leaves near the surface, and one label for each of the others.
 ///
 /// Invariant: where two neighbouring nodes have different labels, both lie in
@@ -71,4 +97,29 @@ pub struct Samples {
     /// For every leaf of the lattice its label where it is not in `leaves`,
     /// x slowest, z fastest.
     pub tiles: Vec<Label>,
+}
+
+impl Samples {
+    /// The leaf at `at`, where it has values of its own.
+    pub fn leaf(&self, at: [i32; 3]) -> Option<&Leaf> {
+        self.leaves.binary_search_by_key(&at, |leaf| leaf.at).ok().map(|index| &self.leaves[index])
+    }
+
+    /// The materials that occur, sorted.
+    pub fn materials(&self) -> Vec<Label> {
+        let valued = self.leaves.iter().flat_map(|leaf| &leaf.materials).map(|own| own.label);
+        let mut labels: Vec<Label> =
+            valued.chain(self.tiles.iter().copied()).filter(|label| label.is_material()).collect();
+        labels.sort_unstable();
+        labels.dedup();
+        labels
+    }
+
+    /// Whether everything that the type promises holds.
+    ///
+    /// # Errors
+    /// What does not, and where.
+    pub fn sanity_check(&self) -> std::result::Result<(), String> {
+        super::invariant::check(self)
+    }
 }
