@@ -33,6 +33,9 @@ pub enum Error {
         /// What is wrong, where, and what to do.
         what: String,
     },
+    /// A mesh is not what an operation needs.
+    #[error("the mesh {0}")]
+    Mesh(String),
     /// An option has no meaning here.
     #[error("{0}")]
     Option(String),

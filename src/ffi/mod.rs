@@ -4,3 +4,7 @@
 pub mod grid;
 pub mod measure;
 pub mod vdb;
+pub mod arrangement;
+pub mod measure;
+pub mod threads;
+pub mod partition;

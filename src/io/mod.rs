@@ -1,3 +1,161 @@
-//! Files.
+//! Files of sections, by the ending of their name.
 
+pub mod contour;
+pub mod csl;
+pub mod json;
+mod text;
 pub mod vdb;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::plane::Bounds;
+use crate::section::{Findings, Rules, Section, Sections, Warning};
+
+/// The kinds of files that sections are read from.
+pub const KINDS: &str = ".csl, .contour, .json";
+
+/// Reads the sections of a file, its kind given by the ending of its name.
+///
+/// # Errors
+/// Where the file cannot be read or breaks a rule; the error names the file,
+/// the section and the place.
+pub fn read_sections(path: &Path, rules: &Rules) -> Result<Sections> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let read: fn(&str, &Path, &Rules) -> Result<Sections> = match ending.as_str() {
+        "csl" => csl::read,
+        "contour" => contour::read,
+        "json" => json::read,
+        _ => {
+            let what = format!("this kind of file is not known: sections are read from {KINDS}");
+            return Err(Error::file(path, what));
+        }
+    };
+    let mut sections = read(&read_text(path)?, path, rules)?;
+    sections.files = vec![path.to_owned()];
+    Ok(sections)
+}
+
+/// Reads the sections of several files as one set.
+///
+/// # Errors
+/// As [`read_sections`], and where the files do not go together.
+pub fn read_all(paths: &[PathBuf], rules: &Rules) -> Result<Sections> {
+    if let [path] = paths {
+        return read_sections(path, rules);
+    }
+    let parts = paths.iter().map(|path| read_sections(path, rules)).collect::<Result<Vec<_>>>()?;
+    Sections::join(parts, rules)
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    let bytes = std::fs::read(path).map_err(|error| Error::file(path, reason(&error)))?;
+    if bytes.is_empty() {
+        return Err(Error::file(path, "the file is empty: export it again"));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let place = error.utf8_error().valid_up_to();
+        Error::file(path, format!("this is no text file (byte {place}): export it again as text"))
+    })
+}
+
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file: check the name".to_owned(),
+        io::ErrorKind::PermissionDenied => {
+            "the file may not be read: check its permissions".to_owned()
+        }
+        io::ErrorKind::IsADirectory => "this is a folder: name a file in it".to_owned(),
+        _ => format!("it cannot be read: {error}"),
+    }
+}
+
+/// A section as a file gives it, before it is checked.
+struct Raw<T> {
+    name: String,
+    /// Where it is in the file, for errors: "line 7".
+    place: String,
+    content: T,
+}
+
+/// Checks the sections of a file, in parallel; the first error counts.
+fn check<T: Sync>(
+    file: &Path,
+    raw: &[Raw<T>],
+    rules: &Rules,
+    make: impl Fn(&Raw<T>) -> Result<(Section, Findings)> + Sync,
+) -> Result<Sections> {
+    let made: Vec<Result<(Section, Findings)>> =
+        raw.par_iter().map(|raw| make(raw).map_err(|error| at(file, raw, error))).collect();
+    let mut sections = Vec::with_capacity(made.len());
+    let mut found = Findings::default();
+    for result in made {
+        let (section, findings) = result?;
+        sections.push(section);
+        found.append(findings);
+    }
+    let mut sections = Sections::new(sections, rules).map_err(|error| in_file(file, raw, error))?;
+    sections.note(found);
+    Ok(sections)
+}
+
+/// An error of a section, with its place in a file.
+fn at<T>(file: &Path, raw: &Raw<T>, error: Error) -> Error {
+    match error {
+        Error::Section { section, what } => {
+            Error::input(file, format!("section {section} ({})", raw.place), what)
+        }
+        Error::Option(what) => Error::file(file, what),
+        other => other,
+    }
+}
+
+/// An error of sections together, with the place of the one that it names.
+fn in_file<T>(file: &Path, raw: &[Raw<T>], error: Error) -> Error {
+    let named = match &error {
+        Error::Section { section, .. } => raw.iter().rev().find(|raw| raw.name == *section),
+        _ => None,
+    };
+    match (named, error) {
+        (Some(raw), error) => at(file, raw, error),
+        (None, Error::Option(what)) => Error::file(file, what),
+        (None, other) => other,
+    }
+}
+
+/// The diagonal of all vertices of a file.
+fn diagonal<'a>(points: impl Iterator<Item = &'a glam::DVec3>) -> f64 {
+    let finite = points.copied().filter(|point| point.is_finite());
+    Bounds::around(finite).map_or(0.0, |bounds| bounds.diagonal())
+}
+
+/// What a failed write to `what` means.
+fn unwritten(what: &str, error: &io::Error) -> Error {
+    Error::file(Path::new(what), format!("the sections cannot be written: {error}"))
+}
+
+/// What follows the last section that the header promises is not read, which
+/// is doubtful.
+fn refuse_rest(
+    rows: &mut text::Rows,
+    count: usize,
+    file: &Path,
+    rules: &Rules,
+    sections: &mut Sections,
+) -> Result<()> {
+    if rows.try_next().is_none() {
+        return Ok(());
+    }
+    let what = format!(
+        "line {}: the header promises {count} sections, but more follows: it is not read",
+        rows.line
+    );
+    if rules.strict {
+        return Err(Error::input(file, "the end", format!("{what} (an error with --strict)")));
+    }
+    sections.warnings.push(Warning { section: String::new(), what });
+    Ok(())
+}

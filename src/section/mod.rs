@@ -1,12 +1,27 @@
 //! Sections: labelled planar partitions, valid by construction.
 
+mod agreement;
+mod draft;
+mod graph;
+mod loops;
+mod overlay;
+mod regions;
+mod sections;
+mod subdivision;
+#[cfg(test)]
+mod tests;
+
 use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
+use serde::Serialize;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::label::{Label, Material};
 use crate::plane::Plane;
+
+pub use agreement::Disagreement;
+pub use regions::Region;
 
 /// An edge of a section's planar graph, with a label on either side as seen
 /// with the plane's normal pointing at the viewer.
@@ -63,6 +78,23 @@ impl Section {
         self.background
     }
 
+    /// The same with the label far away stated: it must be what the edges say,
+    /// and only without edges it makes a difference.
+    ///
+    /// # Errors
+    /// Where the edges say another label.
+    pub fn with_background(mut self, background: Label) -> Result<Self> {
+        if !self.edges.is_empty() && background != self.background {
+            let what = format!(
+                "its background is given as {background}, but its edges say {}: correct one",
+                self.background
+            );
+            return Err(Error::Section { section: self.name, what });
+        }
+        self.background = background;
+        Ok(self)
+    }
+
     /// A vertex in space, rounded.
     pub fn point(&self, vertex: u32) -> DVec3 {
         self.plane.lift(self.vertices[vertex as usize])
@@ -80,7 +112,7 @@ impl Section {
 }
 
 /// Something doubtful that was dealt with; an error under `--strict`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Warning {
     /// The section's name, or nothing where the whole file is meant.
     pub section: String,
@@ -104,6 +136,9 @@ pub struct Sections {
     pub warnings: Vec<Warning>,
     /// What was left out (degenerate loops, for one).
     pub left_out: Vec<Warning>,
+    /// The largest distance of a vertex off its plane as the files give it, in
+    /// world units; vertices are put on their planes.
+    pub off_plane: f64,
     /// The files they came from.
     pub files: Vec<PathBuf>,
 }
@@ -155,29 +190,15 @@ pub struct Findings {
     pub warnings: Vec<Warning>,
     /// What was left out.
     pub left_out: Vec<Warning>,
+    /// The largest distance of a vertex off the plane, in world units.
+    pub off_plane: f64,
 }
 
-impl Section {
-    /// A section from closed loops.
-    pub fn from_loops(
-        name: &str,
-        plane: Plane,
-        loops: &[Loop],
-        diagonal: f64,
-        rules: &Rules,
-    ) -> Result<(Self, Findings)> {
-        todo!("{name} {plane:?} {loops:?} {diagonal} {rules:?}")
-    }
-
-    /// A section from a planar graph with labels on either side of its edges.
-    pub fn from_graph(
-        name: &str,
-        plane: Plane,
-        points: &[DVec3],
-        edges: &[Edge],
-        diagonal: f64,
-        rules: &Rules,
-    ) -> Result<(Self, Findings)> {
-        todo!("{name} {plane:?} {points:?} {edges:?} {diagonal} {rules:?}")
+impl Findings {
+    /// Adds what was found elsewhere.
+    pub fn append(&mut self, other: Self) {
+        self.warnings.extend(other.warnings);
+        self.left_out.extend(other.left_out);
+        self.off_plane = self.off_plane.max(other.off_plane);
     }
 }

@@ -1,0 +1,65 @@
+//! Where the phantom is cut: three sweeps, every plane tilted its own way.
+
+use glam::DVec3;
+
+use transect::plane::Plane;
+
+/// A sweep along an axis.
+struct Sweep {
+    name: &'static str,
+    axis: DVec3,
+    /// The directions that planes are tilted in.
+    tilts: [DVec3; 2],
+    /// Where the axis is crossed, in mm: the first place, the step, how many.
+    first: f64,
+    step: f64,
+    count: u32,
+}
+
+const SWEEPS: [Sweep; 3] = [
+    Sweep {
+        name: "transverse",
+        axis: DVec3::Z,
+        tilts: [DVec3::X, DVec3::Y],
+        first: -105.0,
+        step: 15.0,
+        count: 15,
+    },
+    Sweep {
+        name: "sagittal",
+        axis: DVec3::X,
+        tilts: [DVec3::Y, DVec3::Z],
+        first: -108.0,
+        step: 24.0,
+        count: 10,
+    },
+    Sweep {
+        name: "coronal",
+        axis: DVec3::Y,
+        tilts: [DVec3::X, DVec3::Z],
+        first: -72.0,
+        step: 22.0,
+        count: 8,
+    },
+];
+
+/// How far planes are tilted at most, as a slope.
+const TILT: f64 = 0.125;
+
+/// The planes with their names.
+pub fn planes() -> Vec<(String, Plane)> {
+    SWEEPS.iter().flat_map(|sweep| (0..sweep.count).map(|number| cut(sweep, number))).collect()
+}
+
+fn cut(sweep: &Sweep, number: u32) -> (String, Plane) {
+    let [first, second] = sweep.tilts.map(|tilt| tilt * TILT);
+    let normal = sweep.axis + first * wobble(number * 5 + 1) + second * wobble(number * 3 + 4);
+    let through = sweep.axis * (sweep.first + sweep.step * f64::from(number));
+    (format!("{} {}", sweep.name, number + 1), Plane { normal, offset: normal.dot(through) })
+}
+
+/// A triangle wave between −1 and 1 with period 16.
+fn wobble(number: u32) -> f64 {
+    let phase = f64::from(number % 16) / 16.0;
+    4.0 * (phase - 0.5).abs() - 1.0
+}

@@ -1,0 +1,150 @@
+use std::f64::consts::PI;
+
+use super::*;
+use crate::grid::samples::Lattice;
+use crate::label::Label;
+use crate::mesh::shapes::{assert_edge_manifold, samples, solid};
+use crate::progress::Silent;
+
+/// A reproducible sequence (SplitMix64).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1 << 24) as f32
+    }
+}
+
+fn unit_lattice(dims: [i32; 3]) -> Lattice {
+    Lattice { origin: DVec3::ZERO, voxel: 1.0, dims }
+}
+
+/// Closed per label, vertices apart from each other only where they must be,
+/// and volumes that together are exactly the lattice.
+fn assert_sound(mesh: &Mesh) {
+    let mut labels = mesh.labels();
+    for &label in &labels {
+        assert!(mesh.surface(label).volume() > 0.0, "label {label} is inside out");
+    }
+    labels.push(Label::OUTSIDE);
+    let volumes: f64 = labels.iter().map(|&label| mesh.surface(label).volume()).sum();
+    assert!(volumes.abs() < 1e-9, "volumes with outside's: {volumes}");
+    labels.iter().for_each(|&label| assert_edge_manifold(mesh, label));
+}
+
+/// Nodes with one label each, surrounded by outside, with random certainty.
+fn mesh_of_labels(inner: [i32; 3], count: u32, random: &mut Random) -> Mesh {
+    let dims = inner.map(|side| side + 2);
+    let nodes = dims.iter().product::<i32>();
+    let values: Vec<Vec<f32>> = (0..nodes)
+        .map(|_| {
+            let label = random.next() % u64::from(count + 1);
+            let certainty = 0.05 + 0.95 * random.unit();
+            (1..=u64::from(count)).map(|of| if of == label { certainty } else { -1.0 }).collect()
+        })
+        .collect();
+    let lattice = unit_lattice(dims);
+    let at = |node: [i32; 3]| (node[0] * dims[1] + node[1]) * dims[2] + node[2];
+    let inside = |node: [i32; 3]| (0..3).all(|axis| node[axis] < dims[axis]);
+    let nothing = vec![-1.0; count as usize];
+    let samples = samples(lattice, |node| {
+        if inside(node) { values[at(node) as usize].clone() } else { nothing.clone() }
+    });
+    dual(&samples, &Silent).unwrap()
+}
+
+#[test]
+fn all_patterns_of_two_cells_are_edge_manifold() {
+    // 2 × 2 × 3 nodes, each inside or outside, on a padded lattice; the values
+    // vary so that checkerboards are resolved either way.
+    let mut random = Random(1);
+    for pattern in 0u32..1 << 12 {
+        let certainty: Vec<f32> = (0..12).map(|_| 0.05 + 0.9 * random.unit()).collect();
+        let samples = samples(unit_lattice([4, 4, 5]), |[x, y, z]| {
+            let inner = (1..3).contains(&x) && (1..3).contains(&y) && (1..4).contains(&z);
+            let bit = (((x - 1) * 2 + y - 1) * 3 + z - 1).clamp(0, 11) as usize;
+            let sign = if inner && pattern >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            vec![sign * certainty[bit]]
+        });
+        let mesh = dual(&samples, &Silent).unwrap();
+        assert_eq!(mesh.labels().is_empty(), pattern == 0);
+        assert_sound(&mesh);
+    }
+}
+
+#[test]
+fn random_labels_are_edge_manifold() {
+    for seed in 0..400 {
+        let mut random = Random(seed);
+        let count = 1 + (seed % 5) as u32;
+        // Larger than a leaf along x, so that cells lie in several blocks.
+        let mesh = mesh_of_labels([9, 5, 4], count, &mut random);
+        assert_eq!(mesh.labels().len(), count as usize);
+        assert_sound(&mesh);
+    }
+}
+
+#[test]
+fn triangles_face_from_back_to_front() {
+    let mesh = solid(20, 1.0, |point| 0.7 - point.length());
+    for (triangle, &sides) in mesh.sides.iter().enumerate() {
+        let [a, b, c] = mesh.corners(triangle);
+        assert_eq!(sides, [Label(1), Label::OUTSIDE]);
+        assert!((b - a).cross(c - a).dot(a + b + c) > 0.0);
+    }
+}
+
+#[test]
+fn a_sphere_has_its_volume_and_place() {
+    let radius = 0.8;
+    let mesh = solid(65, 1.0, |point| radius - point.length());
+    let voxel = 2.0 / 64.0;
+    let volume = mesh.surface(Label(1)).volume();
+    let exact = 4.0 / 3.0 * PI * radius.powi(3);
+    let off = mesh.vertices.iter().map(|point| (point.length() - radius).abs() / voxel);
+    let off = off.fold(0.0, f64::max);
+    println!("volume off by {:.2e}, vertices by {off:.3} voxels", volume / exact - 1.0);
+    println!("worst angle {:.1}°", worst_angle(&mesh));
+    assert!((volume / exact - 1.0).abs() < 2e-3);
+    assert!(off < 0.05);
+}
+
+/// The smallest angle of all triangles, in degrees.
+fn worst_angle(mesh: &Mesh) -> f64 {
+    (0..mesh.triangles.len())
+        .flat_map(|triangle| {
+            let [a, b, c] = mesh.corners(triangle);
+            [[a, b, c], [b, c, a], [c, a, b]].map(|[a, b, c]| (b - a).angle_between(c - a))
+        })
+        .fold(PI, f64::min)
+        .to_degrees()
+}
+
+#[test]
+fn tiles_without_values_close_the_surface() {
+    // A material tile amid tiles of outside: its faces are halfway between
+    // nodes, so a cube of 8³ voxels less its rounded edges.
+    let lattice = unit_lattice([24; 3]);
+    let mut tiles = vec![Label::OUTSIDE; 27];
+    tiles[13] = Label(3);
+    let samples = Samples { lattice, leaves: Vec::new(), tiles };
+    let mesh = dual(&samples, &Silent).unwrap();
+    assert_sound(&mesh);
+    let volume = mesh.surface(Label(3)).volume();
+    assert!((485.0..512.0).contains(&volume), "{volume}");
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let mesh = || mesh_of_labels([20, 9, 11], 3, &mut Random(7));
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(mesh);
+    let many = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap().install(mesh);
+    assert_eq!(one, many);
+}

@@ -1,0 +1,157 @@
+//! The closed surface of one label, or of several labels together, out of a
+//! network.
+
+use rayon::prelude::*;
+
+use super::{Mesh, Surface};
+use crate::label::Label;
+
+/// An edge of a triangle: its vertices in ascending order, then the triangle
+/// and which of its corners the edge starts at.
+type Side = ([u32; 2], u32, u8);
+
+impl Mesh {
+    /// The boundary of one label, oriented outward. Where its sheets touch in
+    /// a vertex, each fan gets a vertex of its own.
+    pub fn surface(&self, label: Label) -> Surface {
+        self.surface_of(|side| side == label)
+    }
+
+    /// The boundary of the union of all labels that `inside` says yes to.
+    pub fn surface_of(&self, inside: impl Fn(Label) -> bool + Sync) -> Surface {
+        let triangles: Vec<[u32; 3]> = self
+            .triangles
+            .par_iter()
+            .zip(&self.sides)
+            .filter_map(|(&[a, b, c], &[back, front])| match (inside(back), inside(front)) {
+                (true, false) => Some([a, b, c]),
+                (false, true) => Some([a, c, b]),
+                _ => None,
+            })
+            .collect();
+        let corners = Corners::joined(&triangles);
+        corners.into_surface(self, &triangles)
+    }
+}
+
+/// Which corners of triangles are the same vertex: a union-find structure over
+/// `3 * triangle + corner`. Two corners at one vertex of the network are
+/// joined across an edge that both triangles share.
+struct Corners {
+    parent: Vec<u32>,
+}
+
+impl Corners {
+    fn joined(triangles: &[[u32; 3]]) -> Self {
+        let mut corners = Self { parent: (0..3 * triangles.len() as u32).collect() };
+        let sides = sorted_sides(triangles);
+        for pair in sides.chunk_by(|one, other| one.0 == other.0) {
+            // An edge with more than two triangles, or with two that run the
+            // same way, joins nothing: it stays visible as a border.
+            if let [one, other] = pair
+                && starts_at(triangles, one) != starts_at(triangles, other)
+            {
+                corners.join(3 * one.1 + u32::from(one.2), 3 * other.1 + next(other.2));
+                corners.join(3 * one.1 + next(one.2), 3 * other.1 + u32::from(other.2));
+            }
+        }
+        corners
+    }
+
+    fn root(&mut self, mut corner: u32) -> u32 {
+        while self.parent[corner as usize] != corner {
+            let above = self.parent[corner as usize];
+            self.parent[corner as usize] = self.parent[above as usize];
+            corner = above;
+        }
+        corner
+    }
+
+    /// The smaller corner becomes the root.
+    fn join(&mut self, one: u32, other: u32) {
+        let (one, other) = (self.root(one), self.root(other));
+        self.parent[one.max(other) as usize] = one.min(other);
+    }
+
+    /// One vertex for each set of joined corners, in the order of the first.
+    fn into_surface(mut self, mesh: &Mesh, triangles: &[[u32; 3]]) -> Surface {
+        let mut number = vec![u32::MAX; self.parent.len()];
+        let mut surface = Surface::default();
+        surface.triangles.reserve(triangles.len());
+        for (triangle, vertices) in triangles.iter().enumerate() {
+            surface.triangles.push(std::array::from_fn(|corner| {
+                let root = self.root((3 * triangle + corner) as u32) as usize;
+                if number[root] == u32::MAX {
+                    number[root] = surface.vertices.len() as u32;
+                    surface.vertices.push(mesh.vertices[vertices[corner] as usize]);
+                }
+                number[root]
+            }));
+        }
+        surface
+    }
+}
+
+fn next(corner: u8) -> u32 {
+    u32::from((corner + 1) % 3)
+}
+
+fn starts_at(triangles: &[[u32; 3]], side: &Side) -> u32 {
+    triangles[side.1 as usize][usize::from(side.2)]
+}
+
+fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+    let mut sides: Vec<Side> = triangles
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(index, triangle)| {
+            (0..3u8).map(move |corner| {
+                let (start, end) = (triangle[usize::from(corner)], triangle[next(corner) as usize]);
+                ([start.min(end), start.max(end)], index as u32, corner)
+            })
+        })
+        .collect();
+    sides.par_sort_unstable();
+    sides
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// Two tetrahedra of one label that share the vertex at the origin.
+    fn touching_tetrahedra() -> Mesh {
+        let mut mesh = Mesh { vertices: vec![DVec3::ZERO], ..Mesh::default() };
+        for sign in [1.0, -1.0] {
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend([DVec3::X, DVec3::Y, DVec3::Z].map(|axis| sign * axis));
+            let (x, y, z) = (first, first + 1, first + 2);
+            let outward = [[0, y, x], [0, z, y], [0, x, z], [x, y, z]];
+            mesh.triangles.extend(outward.map(|[a, b, c]| {
+                // The mirrored tetrahedron turns its triangles round.
+                if sign > 0.0 { [a, b, c] } else { [a, c, b] }
+            }));
+        }
+        mesh.sides = vec![[Label(1), Label::OUTSIDE]; mesh.triangles.len()];
+        mesh
+    }
+
+    #[test]
+    fn a_shared_vertex_becomes_one_per_fan() {
+        let surface = touching_tetrahedra().surface(Label(1));
+        assert_eq!(surface.vertices.len(), 8);
+        assert_eq!(surface.triangles.len(), 8);
+        assert!((surface.volume() - 2.0 / 6.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_front_label_sees_the_triangles_reversed() {
+        let mut mesh = touching_tetrahedra();
+        mesh.sides = vec![[Label(1), Label(2)]; mesh.triangles.len()];
+        assert!((mesh.surface(Label(2)).volume() + 2.0 / 6.0).abs() < 1e-15);
+        let union = mesh.surface_of(|label| label.is_material());
+        assert!(union.triangles.is_empty());
+        assert_eq!(mesh.labels(), [Label(1), Label(2)]);
+    }
+}

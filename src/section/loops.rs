@@ -1,0 +1,284 @@
+//! Sections from closed loops with holes.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::draft::{Draft, stretch};
+use super::subdivision::{Curves, Subdivision, Windings, times};
+use super::{Findings, Loop, Overlap, Rules, Section};
+use crate::error::Result;
+use crate::label::Label;
+use crate::plane::Plane;
+
+impl Section {
+    /// A section from closed loops.
+    ///
+    /// A point's label is that of the outer loop that covers it by the even-odd
+    /// rule, holes taken away. Loops may touch themselves and each other.
+    ///
+    /// # Errors
+    /// Where the plane is none, a point is not finite or too far off the plane,
+    /// a hole has no outer loop, and where loops of different labels overlap
+    /// and `rules` does not say who wins.
+    pub fn from_loops(
+        name: &str,
+        plane: Plane,
+        loops: &[Loop],
+        diagonal: f64,
+        rules: &Rules,
+    ) -> Result<(Self, Findings)> {
+        let mut draft = Draft::new(name, plane, diagonal, rules)?;
+        let mut curves = Curves::default();
+        let mut sizes = Vec::with_capacity(loops.len());
+        for (number, polygon) in loops.iter().enumerate() {
+            check_hole(&draft, loops, number)?;
+            let points = project(&mut draft, number, polygon)?;
+            sizes.push(area(&points));
+            curves.polygon(number, &points);
+        }
+        let subdivision = curves.subdivide(&draft)?;
+        let windings = subdivision.windings();
+        leave_out_degenerate(&mut draft, loops, &windings);
+        warn_of_crossings(&mut draft, loops, &subdivision, &windings)?;
+        let faces = Faces { loops, sizes: &sizes, subdivision: &subdivision, windings: &windings };
+        let labels = faces.labels(&mut draft)?;
+        let section = subdivision.section(&draft, &labels);
+        Ok((section, draft.findings))
+    }
+}
+
+fn check_hole(draft: &Draft, loops: &[Loop], number: usize) -> Result<()> {
+    let Some(parent) = loops[number].hole_of else { return Ok(()) };
+    match loops.get(parent) {
+        None => Err(draft.error(format!(
+            "loop {number} is a hole of loop {parent}, but there are only {} loops, from 0",
+            loops.len()
+        ))),
+        Some(outer) if outer.hole_of.is_some() => Err(draft.error(format!(
+            "loop {number} is a hole of loop {parent}, which is a hole itself: \
+             name the outer loop, or make loop {number} one of its own"
+        ))),
+        Some(_) => Ok(()),
+    }
+}
+
+fn project(draft: &mut Draft, number: usize, polygon: &Loop) -> Result<Vec<DVec2>> {
+    polygon
+        .points
+        .iter()
+        .enumerate()
+        .map(|(i, &point)| draft.project(point, || format!("vertex {i} of loop {number}")))
+        .collect()
+}
+
+/// The absolute area in kept coordinates, by the shoelace formula.
+fn area(points: &[DVec2]) -> f64 {
+    let Some(&origin) = points.first() else { return 0.0 };
+    let next = points.iter().cycle().skip(1);
+    let twice: f64 =
+        points.iter().zip(next).map(|(&a, &b)| (a - origin).perp_dot(b - origin)).sum();
+    0.5 * twice.abs()
+}
+
+fn odd(winding: i32) -> bool {
+    winding % 2 != 0
+}
+
+/// Loops that enclose nothing by the even-odd rule.
+fn leave_out_degenerate(draft: &mut Draft, loops: &[Loop], windings: &[Windings]) {
+    let mut encloses = vec![false; loops.len()];
+    for &(curve, _) in windings.iter().flatten().filter(|&&(_, winding)| odd(winding)) {
+        encloses[curve as usize] = true;
+    }
+    for number in (0..loops.len()).filter(|&number| !encloses[number]) {
+        let points = &loops[number].points;
+        let place = points.first().map_or(String::new(), |point| format!(" at {point}"));
+        draft.leave_out(format!(
+            "loop {number} ({} vertices{place}) encloses no area",
+            points.len()
+        ));
+    }
+}
+
+/// A loop that only touches itself winds either 0 or 1 times (or -1) around
+/// every face; at a proper crossing the four faces wind w, w±1, and w±2 or w
+/// with both neighbours: three values in any case.
+fn warn_of_crossings(
+    draft: &mut Draft,
+    loops: &[Loop],
+    subdivision: &Subdivision,
+    windings: &[Windings],
+) -> Result<()> {
+    let mut ranges = vec![(0, 0); loops.len()];
+    for &(curve, winding) in windings.iter().flatten() {
+        widen(&mut ranges[curve as usize], winding);
+    }
+    for number in (0..loops.len()).filter(|&number| ranges[number].1 - ranges[number].0 > 1) {
+        let places = crossings(subdivision, windings, number as u32);
+        let place = places.first().copied().unwrap_or_default();
+        draft.warn(format!(
+            "loop {number} crosses itself at {}{}: read by the even-odd rule",
+            draft.place(place),
+            if places.len() > 1 {
+                format!(" and {} more places", places.len() - 1)
+            } else {
+                String::new()
+            },
+        ))?;
+    }
+    Ok(())
+}
+
+fn widen(range: &mut (i32, i32), winding: i32) {
+    *range = (range.0.min(winding), range.1.max(winding));
+}
+
+/// The vertices around which a curve's winding spans more than one.
+fn crossings(subdivision: &Subdivision, windings: &[Windings], curve: u32) -> Vec<DVec2> {
+    let mut around: BTreeMap<u32, (i32, i32)> = BTreeMap::new();
+    for edge in &subdivision.edges {
+        if edge.covers.iter().any(|cover| cover.curve == curve) {
+            for vertex in [edge.start, edge.end] {
+                for face in [edge.left, edge.right] {
+                    let winding = times(&windings[face], curve);
+                    widen(around.entry(vertex).or_insert((winding, winding)), winding);
+                }
+            }
+        }
+    }
+    around.retain(|_, range| range.1 - range.0 > 1);
+    around.keys().map(|&vertex| subdivision.points[vertex as usize]).collect()
+}
+
+/// Loops that cover a common face, or a hole that covers one which its outer
+/// loop does not: how much, and where most.
+#[derive(Debug, Default)]
+struct Common {
+    area: f64,
+    largest: f64,
+    face: usize,
+}
+
+/// The faces between loops.
+struct Faces<'a> {
+    loops: &'a [Loop],
+    /// The loops' areas.
+    sizes: &'a [f64],
+    subdivision: &'a Subdivision,
+    windings: &'a [Windings],
+}
+
+impl Faces<'_> {
+    /// The label of every face.
+    fn labels(&self, draft: &mut Draft) -> Result<Vec<Label>> {
+        let areas = self.subdivision.areas();
+        let mut overlaps: BTreeMap<[usize; 2], Common> = BTreeMap::new();
+        let mut labels = Vec::with_capacity(areas.len());
+        for (face, windings) in self.windings.iter().enumerate() {
+            let covering = self.covering(windings);
+            for (i, &first) in covering.iter().enumerate() {
+                for &second in &covering[i + 1..] {
+                    overlaps.entry([first, second]).or_default().add(face, areas[face]);
+                }
+            }
+            labels.push(self.winner(&covering, draft.rules.overlap));
+        }
+        for (&pair, common) in &overlaps {
+            self.report_overlap(draft, pair, common)?;
+        }
+        self.report_stray_holes(draft, &areas)?;
+        Ok(labels)
+    }
+
+    /// The outer loops that cover a face, holes taken away.
+    fn covering(&self, windings: &Windings) -> Vec<usize> {
+        let inside = || windings.iter().filter(|pair| odd(pair.1)).map(|pair| pair.0 as usize);
+        let removed: Vec<usize> =
+            inside().filter_map(|number| self.loops[number].hole_of).collect();
+        inside()
+            .filter(|number| self.loops[*number].hole_of.is_none() && !removed.contains(number))
+            .collect()
+    }
+
+    fn winner(&self, covering: &[usize], overlap: Option<Overlap>) -> Label {
+        let winner = match overlap {
+            Some(Overlap::Last) => covering.last(),
+            Some(Overlap::Smallest) => {
+                covering.iter().min_by(|&&a, &&b| self.sizes[a].total_cmp(&self.sizes[b]))
+            }
+            Some(Overlap::First) | None => covering.first(),
+        };
+        winner.map_or(Label::OUTSIDE, |&number| self.loops[number].label)
+    }
+
+    fn report_overlap(&self, draft: &mut Draft, pair: [usize; 2], common: &Common) -> Result<()> {
+        let [first, second] = pair;
+        let labels = pair.map(|number| self.loops[number].label);
+        let place = self.describe(draft, common);
+        if labels[0] == labels[1] {
+            return draft.warn(format!(
+                "loops {first} and {second}, both of label {}, overlap {place}: read as their \
+                 union (if one is meant as a hole, mark it as one)",
+                labels[0]
+            ));
+        }
+        let what = format!(
+            "loops {first} (label {}) and {second} (label {}) overlap {place}",
+            labels[0], labels[1]
+        );
+        match draft.rules.overlap {
+            None => Err(draft.error(format!(
+                "{what}: correct them, or say who wins with --overlap first|last|smallest"
+            ))),
+            Some(overlap) => draft.warn(format!("{what}: the {} wins", overlap.word())),
+        }
+    }
+
+    fn report_stray_holes(&self, draft: &mut Draft, areas: &[f64]) -> Result<()> {
+        let mut stray: BTreeMap<[usize; 2], Common> = BTreeMap::new();
+        for (face, windings) in self.windings.iter().enumerate() {
+            for &(curve, _) in windings.iter().filter(|pair| odd(pair.1)) {
+                if let Some(parent) = self.loops[curve as usize].hole_of {
+                    if !odd(times(windings, parent as u32)) {
+                        stray.entry([curve as usize, parent]).or_default().add(face, areas[face]);
+                    }
+                }
+            }
+        }
+        for (&[hole, parent], common) in &stray {
+            let place = self.describe(draft, common);
+            draft.warn(format!(
+                "loop {hole} is a hole of loop {parent} but reaches outside it {place}: \
+                 that part has no meaning"
+            ))?;
+        }
+        Ok(())
+    }
+
+    fn describe(&self, draft: &Draft, common: &Common) -> String {
+        let area = common.area * stretch(&draft.plane);
+        let place = draft.place(self.subdivision.place(common.face));
+        format!("(area {area:.3e}, near {place})")
+    }
+}
+
+impl Common {
+    fn add(&mut self, face: usize, area: f64) {
+        self.area += area;
+        if area > self.largest || self.largest == 0.0 {
+            (self.largest, self.face) = (area, face);
+        }
+    }
+}
+
+impl Overlap {
+    /// The word for it on the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::First => "first",
+            Self::Last => "last",
+            Self::Smallest => "smallest",
+        }
+    }
+}

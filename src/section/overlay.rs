@@ -1,0 +1,138 @@
+//! Two sections of one plane laid over each other: the merging of coincident
+//! planes, and extents.
+
+use glam::{DVec2, DVec3};
+
+use super::draft::{Draft, stretch};
+use super::subdivision::{Curves, Subdivision, Windings, times};
+use super::{Edge, Findings, Loop, Rules, Section};
+use crate::error::Result;
+use crate::label::Label;
+
+/// The label that stands for the inside of an extent.
+const WITHIN: Label = Label(1);
+
+/// Two sections over each other.
+pub(super) struct Overlay {
+    subdivision: Subdivision,
+    /// The labels of both sections on every face.
+    pub labels: Vec<[Label; 2]>,
+}
+
+impl Overlay {
+    /// Lays two sections with the same kept axes over each other.
+    pub fn new(draft: &Draft, sections: [&Section; 2]) -> Result<Self> {
+        let mut curves = Curves::default();
+        // Every label but the background is a curve: the boundary of its
+        // regions. A face has the label that winds around it. So labels stay
+        // meaningful when rounding moves an edge across a vertex.
+        let labels = sections.map(Section::labels);
+        let count = labels[0].len();
+        add(&mut curves, sections[0], |label| labels[0].binary_search(&label).ok());
+        add(&mut curves, sections[1], |label| {
+            labels[1].binary_search(&label).ok().map(|i| count + i)
+        });
+        let subdivision = curves.subdivide(draft)?;
+        let faces = subdivision.windings();
+        let of = |windings: &Windings| {
+            [
+                label(windings, sections[0], &labels[0], 0),
+                label(windings, sections[1], &labels[1], count),
+            ]
+        };
+        Ok(Self { labels: faces.iter().map(of).collect(), subdivision })
+    }
+
+    /// The area on which both sections speak and say different things, and a
+    /// place there.
+    pub fn conflict(&self, draft: &Draft) -> Option<(f64, DVec3)> {
+        let areas = self.subdivision.areas();
+        let differs = |face: &usize| {
+            let [first, second] = self.labels[*face];
+            first != second && first != Label::UNKNOWN && second != Label::UNKNOWN
+        };
+        let worst =
+            (0..areas.len()).filter(differs).max_by(|&a, &b| areas[a].total_cmp(&areas[b]))?;
+        let area: f64 = (0..areas.len()).filter(differs).map(|face| areas[face]).sum();
+        let place = draft.place(self.subdivision.place(worst));
+        Some((area * stretch(&draft.plane), place))
+    }
+
+    /// The section whose labels are made of both.
+    pub fn section(self, draft: &Draft, combine: impl Fn([Label; 2]) -> Label) -> Section {
+        let labels: Vec<Label> = self.labels.iter().map(|&pair| combine(pair)).collect();
+        self.subdivision.section(draft, &labels)
+    }
+}
+
+/// Adds a section's edges to the boundaries of the labels on either side.
+fn add(curves: &mut Curves, section: &Section, curve: impl Fn(Label) -> Option<usize>) {
+    let numbers: Vec<u32> = section.vertices.iter().map(|&vertex| curves.point(vertex)).collect();
+    for edge in &section.edges {
+        let [start, end] = [edge.start, edge.end].map(|vertex| numbers[vertex as usize]);
+        for (label, start, end) in [(edge.left, start, end), (edge.right, end, start)] {
+            if let Some(curve) = curve(label).filter(|_| label != section.background) {
+                curves.segment(curve, start, end);
+            }
+        }
+    }
+}
+
+/// The label of a section that winds around a face most, the background when
+/// none does.
+fn label(windings: &Windings, section: &Section, labels: &[Label], first: usize) -> Label {
+    let around = |i: usize| times(windings, (first + i) as u32);
+    (0..labels.len())
+        .filter(|&i| around(i) > 0)
+        .max_by_key(|&i| (around(i), std::cmp::Reverse(i)))
+        .map_or(section.background, |i| labels[i])
+}
+
+impl Section {
+    /// This section within an extent: a polygon on its plane, beyond which all
+    /// is unknown.
+    pub fn within(
+        &self,
+        extent: &[DVec3],
+        diagonal: f64,
+        rules: &Rules,
+    ) -> Result<(Self, Findings)> {
+        let polygon = Loop { points: extent.to_vec(), label: WITHIN, hole_of: None };
+        let mut draft = Draft::new(&self.name, self.plane, diagonal, rules)?;
+        let (mask, findings) =
+            Self::from_loops(&self.name, self.plane, &[polygon], diagonal, rules)
+                .map_err(|error| draft.error(format!("its extent: {error}")))?;
+        if mask.edges.is_empty() {
+            return Err(draft.error("its extent encloses no area: correct it or leave it out"));
+        }
+        draft.findings.off_plane = findings.off_plane;
+        for warning in findings.warnings {
+            draft.warn(format!("its extent: {}", warning.what))?;
+        }
+        let overlay = Overlay::new(&draft, [self, &mask])?;
+        let beyond = |[label, mask]: &[Label; 2]| label.is_material() && *mask != WITHIN;
+        if overlay.labels.iter().any(beyond) {
+            draft.warn("contours reach beyond its extent: that part is left out".to_owned())?;
+        }
+        let section = overlay.section(
+            &draft,
+            |[label, mask]| {
+                if mask == WITHIN { label } else { Label::UNKNOWN }
+            },
+        );
+        Ok((section, draft.findings))
+    }
+
+    /// The same partition seen from the other side: for a plane that is this
+    /// one's with the opposite normal.
+    pub(super) fn turned(&self, onto: &Self) -> Self {
+        let swap = |edge: &Edge| Edge { left: edge.right, right: edge.left, ..*edge };
+        Self {
+            name: self.name.clone(),
+            plane: onto.plane,
+            vertices: self.vertices.iter().map(|vertex| DVec2::new(vertex.y, vertex.x)).collect(),
+            edges: self.edges.iter().map(swap).collect(),
+            background: self.background,
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Sections together: coincident planes, materials, what files share.
+
+use glam::DVec3;
+
+use super::draft::Draft;
+use super::overlay::Overlay;
+use super::{Findings, Rules, Section, Sections, Warning};
+use crate::error::{Error, Result};
+use crate::label::{Label, Material};
+use crate::plane::{Bounds, Plane};
+
+impl Sections {
+    /// Sections of distinct planes. Those of one plane are merged, with a
+    /// warning, where they agree.
+    ///
+    /// # Errors
+    /// Where there is none, and where two sections of one plane disagree.
+    pub fn new(sections: Vec<Section>, rules: &Rules) -> Result<Self> {
+        let mut whole = Self::default();
+        for section in sections {
+            whole.push(section, rules)?;
+        }
+        if whole.sections.is_empty() {
+            return Err(Error::Option("there is no section: at least one is needed".to_owned()));
+        }
+        whole.complete_materials();
+        Ok(whole)
+    }
+
+    /// The sections of several files as one. Names of sections get the name of
+    /// their file in front.
+    ///
+    /// # Errors
+    /// As [`Sections::new`], and where units or frames differ.
+    pub fn join(parts: Vec<Self>, rules: &Rules) -> Result<Self> {
+        let mut whole = Self::default();
+        for part in parts {
+            whole.append(part, rules)?;
+        }
+        whole.complete_materials();
+        if whole.sections.is_empty() {
+            return Err(Error::Option("there is no section: at least one is needed".to_owned()));
+        }
+        Ok(whole)
+    }
+
+    /// All vertices' box; `None` when there are no contours.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let points = |section: &Section| -> Vec<DVec3> {
+            section.vertices.iter().map(|&vertex| section.plane.lift(vertex)).collect()
+        };
+        Bounds::around(self.sections.iter().flat_map(points))
+    }
+
+    /// The material of a label.
+    pub fn material(&self, label: Label) -> Option<&Material> {
+        let found = self.materials.binary_search_by_key(&label.0, |material| material.id);
+        found.ok().map(|i| &self.materials[i])
+    }
+
+    /// Adds what was found while sections were made.
+    pub fn note(&mut self, findings: Findings) {
+        self.warnings.extend(findings.warnings);
+        self.left_out.extend(findings.left_out);
+        self.off_plane = self.off_plane.max(findings.off_plane);
+    }
+
+    /// Names materials as a file does; keeps those that occur.
+    pub fn name_materials(&mut self, materials: Vec<Material>) {
+        self.materials = materials;
+        self.complete_materials();
+    }
+
+    fn append(&mut self, mut part: Self, rules: &Rules) -> Result<()> {
+        let file = part.files.first().and_then(|file| file.file_name());
+        if let Some(file) = file.map(|file| file.to_string_lossy().into_owned()) {
+            part.rename(&file);
+        }
+        same("unit", &mut self.units, &part.units, &part)?;
+        same("frame", &mut self.frame, &part.frame, &part)?;
+        for section in std::mem::take(&mut part.sections) {
+            self.push(section, rules)?;
+        }
+        for material in std::mem::take(&mut part.materials) {
+            self.add_material(material, rules)?;
+        }
+        self.warnings.append(&mut part.warnings);
+        self.left_out.append(&mut part.left_out);
+        self.off_plane = self.off_plane.max(part.off_plane);
+        self.files.append(&mut part.files);
+        Ok(())
+    }
+
+    fn rename(&mut self, file: &str) {
+        let full = |name: &mut String| *name = format!("{file}:{name}");
+        self.sections.iter_mut().for_each(|section| full(&mut section.name));
+        let told = self.warnings.iter_mut().chain(&mut self.left_out);
+        told.for_each(|warning| full(&mut warning.section));
+    }
+
+    fn add_material(&mut self, material: Material, rules: &Rules) -> Result<()> {
+        let Some(known) = self.materials.iter().find(|known| known.id == material.id) else {
+            self.materials.push(material);
+            return Ok(());
+        };
+        if known.name == material.name {
+            return Ok(());
+        }
+        let what = format!(
+            "label {} is called {:?} and {:?}: the first name is kept",
+            known.id, known.name, material.name
+        );
+        warn(self, "", what, rules)
+    }
+
+    /// Adds a section, or merges it with the one that has its plane.
+    fn push(&mut self, section: Section, rules: &Rules) -> Result<()> {
+        let same = |known: &Section| coincide(&known.plane, &section.plane);
+        let Some(place) = self.sections.iter().position(same) else {
+            self.sections.push(section);
+            return Ok(());
+        };
+        let known = &self.sections[place];
+        let merged = merge(known, &section)?;
+        let what =
+            format!("lies on the plane of section {} and agrees with it: merged", known.name);
+        self.left_out.push(Warning { section: section.name.clone(), what: what.clone() });
+        self.sections[place] = merged;
+        warn(self, &section.name, what, rules)
+    }
+
+    /// Every material that occurs has a name and a colour, and no other.
+    fn complete_materials(&mut self) {
+        let mut labels: Vec<Label> = self.sections.iter().flat_map(Section::labels).collect();
+        labels.sort();
+        labels.dedup();
+        labels.retain(|label| label.is_material());
+        let known = std::mem::take(&mut self.materials);
+        let named = |label: &Label| known.iter().find(|material| material.id == label.0).cloned();
+        self.materials = labels
+            .iter()
+            .map(|label| named(label).unwrap_or_else(|| Material::numbered(*label)))
+            .collect();
+    }
+}
+
+fn warn(sections: &mut Sections, section: &str, what: String, rules: &Rules) -> Result<()> {
+    if rules.strict {
+        let what = format!("{what} (an error because warnings are, --strict)");
+        return Err(Error::Section { section: section.to_owned(), what });
+    }
+    sections.warnings.push(Warning { section: section.to_owned(), what });
+    Ok(())
+}
+
+/// What files must have in common, when they say it.
+fn same(what: &str, known: &mut String, new: &str, part: &Sections) -> Result<()> {
+    if known.is_empty() {
+        new.clone_into(known);
+    } else if !new.is_empty() && known != new {
+        let file = part.files.first().map(|file| file.display().to_string()).unwrap_or_default();
+        return Err(Error::Option(format!(
+            "{file}: its {what} is {new:?}, that of the files before is {known:?}: convert one"
+        )));
+    }
+    Ok(())
+}
+
+/// One section of two on the same plane; what one does not know, the other may.
+fn merge(known: &Section, new: &Section) -> Result<Section> {
+    let same_side = known.plane.kept_axes() == new.plane.kept_axes();
+    let new = if same_side { new.clone() } else { new.turned(known) };
+    let rules = Rules::default();
+    let draft = Draft::new(&known.name, known.plane, 0.0, &rules)?;
+    let overlay = Overlay::new(&draft, [known, &new])?;
+    if let Some((area, place)) = overlay.conflict(&draft) {
+        let what = format!(
+            "lies on the plane of section {} but disagrees with it on an area of {area:.3e}, \
+             most near {place}: remove one of them",
+            known.name
+        );
+        return Err(Error::Section { section: new.name, what });
+    }
+    Ok(overlay.section(
+        &draft,
+        |[first, second]| {
+            if first == Label::UNKNOWN { second } else { first }
+        },
+    ))
+}
+
+/// Whether two planes are the same set of points, decided exactly: all minors
+/// of their (normal, offset) vanish.
+pub(crate) fn coincide(a: &Plane, b: &Plane) -> bool {
+    let [a, b] = [a, b].map(|plane| [plane.normal.x, plane.normal.y, plane.normal.z, plane.offset]);
+    let minor = |i: usize, j: usize| product(a[i], b[j]) == product(a[j], b[i]);
+    minor(0, 1) && minor(0, 2) && minor(0, 3) && minor(1, 2) && minor(1, 3) && minor(2, 3)
+}
+
+/// The exact product of two finite doubles: an odd integer (or 0) and the power
+/// of two it is multiplied by.
+fn product(a: f64, b: f64) -> (i128, i32) {
+    let [(a, p), (b, q)] = [a, b].map(parts);
+    let mantissa = i128::from(a) * i128::from(b);
+    if mantissa == 0 {
+        return (0, 0);
+    }
+    let zeros = mantissa.trailing_zeros();
+    (mantissa >> zeros, p + q + zeros as i32)
+}
+
+/// A finite double as mantissa and exponent (IEEE 754 binary64).
+fn parts(value: f64) -> (i64, i32) {
+    let bits = value.to_bits();
+    let exponent = ((bits >> 52) & 0x7ff) as i32;
+    let fraction = (bits & ((1 << 52) - 1)) as i64;
+    let (mantissa, exponent) =
+        if exponent == 0 { (fraction, -1074) } else { (fraction | 1 << 52, exponent - 1075) };
+    (if value.is_sign_negative() { -mantissa } else { mantissa }, exponent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(normal: [f64; 3], offset: f64) -> Plane {
+        Plane { normal: DVec3::from_array(normal), offset }
+    }
+
+    #[test]
+    fn planes_coincide_exactly() {
+        let first = plane([1.0, 2.0, 3.0], 4.0);
+        // 0.3 is not three times the double 0.1.
+        assert!(!coincide(&first, &plane([-0.1, -0.2, -0.3], -0.4)));
+        assert!(coincide(&first, &plane([-2.0, -4.0, -6.0], -8.0)));
+        assert!(!coincide(&first, &plane([1.0, 2.0, 3.0], -4.0)));
+        assert!(!coincide(&first, &plane([1.0, 2.0, 3.0 + 4.5e-16], 4.0)));
+        assert!(coincide(&plane([0.0, 0.0, 1.0], 0.0), &plane([0.0, -0.0, -7.0], 0.0)));
+        assert!(!coincide(&plane([0.0, 0.0, 1.0], 0.0), &plane([0.0, 0.0, 1.0], 5e-324)));
+        let tiny = 2.0f64.powi(-600);
+        assert!(coincide(&first, &plane([tiny, 2.0 * tiny, 3.0 * tiny], 4.0 * tiny)));
+    }
+}

@@ -1,0 +1,375 @@
+//! Sections from meshes: a closed mesh cut by planes, exact to rounding.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::plane::{Bounds, Plane};
+use crate::section::{Rules, Section};
+
+/// The planes of a cut.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Family {
+    /// `count` planes normal to an axis (0, 1 or 2), number i at the part
+    /// (i + ½)/count of the mesh's extent.
+    Axis {
+        /// x, y or z.
+        axis: usize,
+        /// How many.
+        count: u32,
+    },
+    /// Planes of random orientation through random places in the mesh's box;
+    /// the same ones for the same seed.
+    Random {
+        /// How many.
+        count: u32,
+        /// What they are drawn from.
+        seed: u64,
+    },
+    /// These.
+    Given(Vec<Plane>),
+}
+
+impl Family {
+    /// The planes that cut a mesh within these bounds.
+    ///
+    /// # Errors
+    /// When the axis is none of 0, 1 and 2, or a given plane is none.
+    pub fn planes(&self, bounds: &Bounds) -> Result<Vec<Plane>> {
+        match self {
+            &Self::Axis { axis: axis @ 0..3, count } => Ok((0..count)
+                .map(|i| {
+                    let part = (f64::from(i) + 0.5) / f64::from(count);
+                    let offset = bounds.min[axis] + part * bounds.size()[axis];
+                    Plane { normal: DVec3::AXES[axis], offset }
+                })
+                .collect()),
+            Self::Axis { axis, .. } => {
+                Err(Error::Option(format!("there is no axis {axis}: the axes are 0, 1 and 2")))
+            }
+            &Self::Random { count, seed } => {
+                let mut random = Random(seed);
+                Ok((0..count).map(|_| random.plane(bounds)).collect())
+            }
+            Self::Given(planes) => match planes.iter().find(|plane| !is_plane(plane)) {
+                Some(plane) => Err(Error::Option(format!(
+                    "normal {} and offset {} are no plane: the normal must not be zero, and all \
+                     numbers finite",
+                    plane.normal, plane.offset
+                ))),
+                None => Ok(planes.clone()),
+            },
+        }
+    }
+}
+
+fn is_plane(plane: &Plane) -> bool {
+    plane.normal.is_finite() && plane.offset.is_finite() && plane.normal != DVec3::ZERO
+}
+
+/// The generator *SplitMix64*: a counter whose bits are mixed well. Small, and
+/// the same everywhere, which is all that is asked of it.
+#[derive(Debug)]
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// Uniform in [0, 1), a multiple of 2⁻⁵³.
+    fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A uniform normal (Archimedes: heights on a sphere are uniform) through
+    /// a uniform place in the box.
+    fn plane(&mut self, bounds: &Bounds) -> Plane {
+        let height = 2.0 * self.unit() - 1.0;
+        let angle = std::f64::consts::TAU * self.unit();
+        let radius = (1.0 - height * height).sqrt();
+        let normal = DVec3::new(radius * angle.cos(), radius * angle.sin(), height);
+        let part = DVec3::new(self.unit(), self.unit(), self.unit());
+        Plane { normal, offset: normal.dot(bounds.min + part * bounds.size()) }
+    }
+}
+
+/// Cuts a closed mesh by planes, one section each, in their order.
+///
+/// Every crossing is computed once per mesh edge, from its two ends in a fixed
+/// order, so that contours close; vertices on a plane count as above it. The
+/// labels beside a contour are those beside the mesh's triangles. A plane that
+/// misses the mesh gives a section that is outside everywhere.
+///
+/// # Errors
+/// When the mesh is empty, damaged or not closed, or so tangled that its cut is
+/// no partition of the plane.
+pub fn slice(mesh: &Mesh, planes: &[Plane]) -> Result<Vec<Section>> {
+    check(mesh)?;
+    let diagonal = mesh.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    planes
+        .par_iter()
+        .enumerate()
+        .map(|(number, plane)| {
+            let cut = mesh.cut(plane);
+            let name = format!("plane {}", number + 1);
+            let rules = Rules::default();
+            Section::from_graph(&name, *plane, &cut.points, &cut.edges, diagonal, &rules)
+                .map(|(section, _)| section)
+        })
+        .collect()
+}
+
+/// Whether the mesh is sound and closed.
+fn check(mesh: &Mesh) -> Result<()> {
+    if mesh.triangles.is_empty() {
+        return Err(Error::Mesh("has no triangles: there is nothing to cut".to_owned()));
+    }
+    if mesh.sides.len() != mesh.triangles.len() {
+        let what = format!(
+            "has {} triangles, but labels for {} of them",
+            mesh.triangles.len(),
+            mesh.sides.len()
+        );
+        return Err(Error::Mesh(what));
+    }
+    let count = mesh.vertices.len();
+    let missing = |triangle: &[u32; 3]| triangle.iter().find(|&&v| v as usize >= count).copied();
+    if let Some((number, vertex)) =
+        mesh.triangles.iter().enumerate().find_map(|(i, triangle)| Some((i, missing(triangle)?)))
+    {
+        let what = format!("has {count} vertices, but triangle {number} asks for vertex {vertex}");
+        return Err(Error::Mesh(what));
+    }
+    if let Some(number) = mesh.vertices.iter().position(|vertex| !vertex.is_finite()) {
+        let what = format!("has a vertex that is not finite, number {number}: correct it");
+        return Err(Error::Mesh(what));
+    }
+    check_closed(mesh)
+}
+
+/// A triangle's side, from the smaller vertex to the larger one, and a label
+/// that lies behind (+1) or before (−1) the triangle as it runs that way.
+type Border = ([u32; 2], Label, i32);
+
+/// A label's region is closed when along every edge its triangles cancel: as
+/// many run one way as the other.
+fn check_closed(mesh: &Mesh) -> Result<()> {
+    let mut borders: Vec<Border> = mesh
+        .triangles
+        .par_iter()
+        .zip(&mesh.sides)
+        .flat_map_iter(|(&triangle, &sides)| borders_of(triangle, sides))
+        .collect();
+    borders.par_sort_unstable();
+    let open: Vec<[u32; 2]> = borders
+        .chunk_by(|one, other| (one.0, one.1) == (other.0, other.1))
+        .filter(|run| run.iter().map(|border| border.2).sum::<i32>() != 0)
+        .map(|run| run[0].0)
+        .collect();
+    let Some(&edge) = open.first() else { return Ok(()) };
+    let [from, to] = edge.map(|vertex| mesh.vertices[vertex as usize]);
+    Err(Error::Mesh(format!(
+        "is not closed, or its triangles do not agree on which side is out: {} of its edges are \
+         open, the first from {from} to {to}; repair it first",
+        open.len()
+    )))
+}
+
+fn borders_of(triangle: [u32; 3], [back, front]: [Label; 2]) -> impl Iterator<Item = Border> {
+    (0..3).flat_map(move |i| {
+        let (start, end) = (triangle[i], triangle[(i + 1) % 3]);
+        let way = if start < end { 1 } else { -1 };
+        [(back, way), (front, -way)]
+            .into_iter()
+            .filter(move |_| start != end && back != front)
+            .filter(|(label, _)| label.is_material())
+            .map(move |(label, way)| ([start.min(end), start.max(end)], label, way))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::samples::Lattice;
+    use crate::mesh::{dual, shapes};
+    use crate::progress::Silent;
+
+    const UNIT: Bounds = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
+
+    /// A tetrahedron with right angles at the origin and legs of this length.
+    fn tetrahedron(leg: f64) -> Mesh {
+        let vertices = vec![DVec3::ZERO, DVec3::X * leg, DVec3::Y * leg, DVec3::Z * leg];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        Mesh { vertices, triangles, sides: vec![[Label(1), Label::OUTSIDE]; 4] }
+    }
+
+    #[test]
+    fn planes_along_an_axis_are_in_the_middle_of_equal_parts() {
+        let planes = Family::Axis { axis: 1, count: 4 }.planes(&UNIT).expect("an axis");
+        let offsets: Vec<f64> = planes.iter().map(|plane| plane.offset).collect();
+        assert_eq!(offsets, [0.125, 0.375, 0.625, 0.875]);
+        assert!(planes.iter().all(|plane| plane.normal == DVec3::Y));
+    }
+
+    #[test]
+    fn random_planes_depend_on_the_seed_alone_and_go_through_the_box() {
+        let planes = |seed| Family::Random { count: 50, seed }.planes(&UNIT).expect("planes");
+        assert_eq!(planes(7), planes(7));
+        assert_ne!(planes(7), planes(8));
+        for plane in planes(7) {
+            assert!((plane.normal.length() - 1.0).abs() < 1e-12);
+            let corners =
+                (0..8u32).map(|i| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(f64::from)));
+            let above = corners.filter(|&corner| plane.distance(corner) > 0.0).count();
+            assert!((1..8).contains(&above));
+        }
+    }
+
+    #[test]
+    fn splitmix_gives_its_published_numbers() {
+        // The reference implementation's first outputs for the seed 1234567.
+        let mut random = Random(1_234_567);
+        assert_eq!(random.next(), 6_457_827_717_110_365_317);
+        assert_eq!(random.next(), 3_203_168_211_198_807_973);
+    }
+
+    #[test]
+    fn what_is_no_plane_is_refused() {
+        let zero = Plane { normal: DVec3::ZERO, offset: 1.0 };
+        let infinite = Plane { normal: DVec3::Z, offset: f64::INFINITY };
+        for plane in [zero, infinite] {
+            assert!(Family::Given(vec![plane]).planes(&UNIT).is_err());
+        }
+        assert!(Family::Axis { axis: 3, count: 1 }.planes(&UNIT).is_err());
+    }
+
+    #[test]
+    fn an_open_mesh_is_refused_with_the_place() {
+        let mut mesh = tetrahedron(2.0);
+        assert!(check(&mesh).is_ok());
+        mesh.triangles.pop();
+        mesh.sides.pop();
+        let message = check(&mesh).expect_err("three edges are open").to_string();
+        assert!(message.contains("3 of its edges"), "{message}");
+        assert!(message.contains("[2, 0, 0] to [0, 2, 0]"), "{message}");
+    }
+
+    #[test]
+    fn a_triangle_turned_round_is_refused() {
+        let mut mesh = tetrahedron(1.0);
+        mesh.triangles[2].swap(0, 1);
+        assert!(check(&mesh).is_err());
+    }
+
+    #[test]
+    fn labels_that_do_not_close_are_refused() {
+        let mut mesh = tetrahedron(1.0);
+        mesh.sides[1] = [Label(2), Label::OUTSIDE];
+        assert!(check(&mesh).is_err());
+    }
+
+    #[test]
+    fn damaged_meshes_are_refused() {
+        assert!(check(&Mesh::default()).is_err());
+        let mut mesh = tetrahedron(1.0);
+        mesh.triangles[0][0] = 4;
+        assert!(check(&mesh).expect_err("no vertex 4").to_string().contains("vertex 4"));
+        let mut mesh = tetrahedron(1.0);
+        mesh.vertices[3].x = f64::NAN;
+        assert!(check(&mesh).expect_err("not a number").to_string().contains("number 3"));
+    }
+
+    /// The area of a label on a section, by the shoelace formula on the plane.
+    fn area(section: &Section, label: Label) -> f64 {
+        let normal = section.plane().unit_normal();
+        let base = section.edges().first().map_or(DVec3::ZERO, |edge| section.point(edge.start));
+        let swept = |start: u32, end: u32| {
+            (section.point(start) - base).cross(section.point(end) - base).dot(normal) / 2.0
+        };
+        let edges = section.edges().iter();
+        edges
+            .map(|edge| match label {
+                _ if edge.left == label => swept(edge.start, edge.end),
+                _ if edge.right == label => swept(edge.end, edge.start),
+                _ => 0.0,
+            })
+            .sum()
+    }
+
+    fn one_section(mesh: &Mesh, normal: DVec3, offset: f64) -> Section {
+        slice(mesh, &[Plane { normal, offset }]).expect("a closed mesh").remove(0)
+    }
+
+    #[test]
+    fn a_tetrahedron_is_cut_in_a_triangle() {
+        // At a quarter of its height the legs are three quarters: 1.5.
+        let section = one_section(&tetrahedron(2.0), DVec3::Z, 0.5);
+        assert_eq!(section.vertices().len(), 3);
+        assert_eq!(area(&section, Label(1)), 1.125);
+        // Seen from below the same region is on the same side of its border.
+        let below = one_section(&tetrahedron(2.0), DVec3::NEG_Z, -0.5);
+        assert_eq!(area(&below, Label(1)), 1.125);
+        assert_eq!(below.background(), Label::OUTSIDE);
+    }
+
+    #[test]
+    fn slices_add_up_to_the_volume() {
+        // The area at height z is (1 − z)²/2; the midpoint rule misses its
+        // integral by h²/24 times the change of its derivative, here 1: 4e-6.
+        let mesh = tetrahedron(1.0);
+        let bounds = mesh.bounds().expect("vertices");
+        let planes = Family::Axis { axis: 2, count: 100 }.planes(&bounds).expect("an axis");
+        let sections = slice(&mesh, &planes).expect("a closed mesh");
+        let volume: f64 = sections.iter().map(|section| area(section, Label(1)) / 100.0).sum();
+        assert!((volume - 1.0 / 6.0).abs() < 1e-5, "{volume}");
+    }
+
+    #[test]
+    fn vertices_and_faces_on_the_plane_count_as_above() {
+        let mesh = tetrahedron(2.0);
+        assert!(one_section(&mesh, DVec3::Z, 0.0).edges().is_empty(), "the bottom: all above");
+        assert!(one_section(&mesh, DVec3::Z, 2.0).edges().is_empty(), "the tip: a point");
+        assert!(one_section(&mesh, DVec3::Z, 3.0).edges().is_empty(), "beyond");
+        // From the other side, the bottom is the last that is above.
+        assert_eq!(area(&one_section(&mesh, DVec3::NEG_Z, 0.0), Label(1)), 2.0);
+        // Through an edge and the middle of the opposite one.
+        let diagonal = one_section(&mesh, DVec3::new(1.0, -1.0, 0.0), 0.0);
+        assert!((area(&diagonal, Label(1)) - 2.0f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn two_materials_keep_their_border_on_any_plane() {
+        // Two balls that overlap; the first one has what both claim.
+        let lattice = Lattice { origin: DVec3::splat(-1.0), voxel: 0.05, dims: [41; 3] };
+        let ball = |point: DVec3, x: f64| 0.5 - (point - DVec3::X * x).length();
+        let network = shapes::samples(lattice, |node| {
+            let point = lattice.position(node);
+            let [first, second] = [ball(point, -0.25), ball(point, 0.25)];
+            let clamp = |value: f64| (value / 0.15).clamp(-1.0, 1.0) as f32;
+            vec![clamp(first), clamp(second.min(-first))]
+        });
+        let mesh = dual(&network, &Silent).expect("samples of two balls");
+        let bounds = mesh.bounds().expect("vertices");
+        let planes = Family::Random { count: 60, seed: 3 }.planes(&bounds).expect("planes");
+        let sections = slice(&mesh, &planes).expect("a closed network");
+        for (plane, section) in planes.iter().zip(&sections) {
+            // A plane's part of a ball is a disc.
+            let gap = plane.distance(DVec3::X * -0.25);
+            let exact = std::f64::consts::PI * (0.25 - gap * gap).max(0.0);
+            // Half a voxel around a great circle would be 0.08.
+            let off = area(section, Label(1)) - exact;
+            assert!(off.abs() < 0.04, "{off} on {plane:?}");
+        }
+        let shares_border = |section: &&Section| {
+            section.edges().iter().any(|edge| edge.left.is_material() && edge.right.is_material())
+        };
+        assert!(sections.iter().filter(shares_border).count() > 20);
+    }
+}
