@@ -9,6 +9,7 @@ pub mod off;
 pub mod ply;
 pub mod stl;
 mod text;
+pub mod vdb;
 
 use std::io;
 use std::path::{Path, PathBuf};
