@@ -5,6 +5,5 @@ pub mod grid;
 pub mod measure;
 pub mod vdb;
 pub mod arrangement;
-pub mod measure;
 pub mod partition;
 pub mod threads;
