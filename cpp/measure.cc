@@ -1,14 +1,192 @@
 #include "transect/cpp/measure.h"
 
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/IO/polygon_soup_io.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
 #include <CGAL/version.h>
 #include <openvdb/version.h>
 
+#include <cmath>
+#include <iterator>
+#include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include "transect/src/ffi/measure.rs.h"
 
 namespace transect::measure {
 
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Polyhedron = CGAL::Surface_mesh<Kernel::Point_3>;
+using Face = Polyhedron::Face_index;
+using ComponentOf = Polyhedron::Property_map<Face, size_t>;
+
+// A mesh, and how many triangles did not fit because an edge or a vertex had
+// no place left for them.
+std::pair<Polyhedron, uint64_t> polyhedron(rust::Slice<const double> points,
+                                           rust::Slice<const uint32_t> triangles) {
+  Polyhedron mesh;
+  const size_t count = points.size() / 3;
+  mesh.reserve(count, triangles.size() / 2, triangles.size() / 3);
+  for (size_t i = 0; i < count; ++i) {
+    mesh.add_vertex(Kernel::Point_3(points[3 * i], points[3 * i + 1], points[3 * i + 2]));
+  }
+  uint64_t left_out = 0;
+  for (size_t i = 0; i + 2 < triangles.size(); i += 3) {
+    const uint32_t a = triangles[i], b = triangles[i + 1], c = triangles[i + 2];
+    if (a >= count || b >= count || c >= count) throw std::out_of_range("vertex index");
+    using Vertex = Polyhedron::Vertex_index;
+    const bool degenerate = a == b || b == c || c == a;
+    if (degenerate || mesh.add_face(Vertex(a), Vertex(b), Vertex(c)) == Polyhedron::null_face()) {
+      ++left_out;
+    }
+  }
+  return {std::move(mesh), left_out};
+}
+
+// V, E and F of each connected component add up to its Euler characteristic.
+std::vector<Component> components(const Polyhedron& mesh, const ComponentOf& component_of,
+                                  size_t count) {
+  std::vector<Component> components(count, Component{0, 0, {0, 0, 0}, {0, 0, 0}});
+  std::vector<CGAL::Bbox_3> boxes(count);
+  // Relative to a vertex: far from the origin, digits would cancel.
+  const Kernel::Point_3 base =
+      mesh.is_empty() ? Kernel::Point_3() : mesh.point(*mesh.vertices_begin());
+  for (const Face face : mesh.faces()) {
+    const size_t id = component_of[face];
+    components[id].euler += 1;
+    const auto h = mesh.halfedge(face);
+    const auto& a = mesh.point(mesh.target(h));
+    const auto& b = mesh.point(mesh.target(mesh.next(h)));
+    const auto& c = mesh.point(mesh.source(h));
+    components[id].volume += CGAL::to_double(CGAL::volume(base, a, b, c));
+    boxes[id] += a.bbox() + b.bbox() + c.bbox();
+  }
+  for (const auto edge : mesh.edges()) {
+    auto h = mesh.halfedge(edge);
+    if (mesh.is_border(h)) h = mesh.opposite(h);
+    components[component_of[mesh.face(h)]].euler -= 1;
+  }
+  for (const auto vertex : mesh.vertices()) {
+    if (mesh.is_isolated(vertex)) continue;
+    auto h = mesh.halfedge(vertex);
+    if (mesh.is_border(h)) h = mesh.opposite(h);
+    components[component_of[mesh.face(h)]].euler += 1;
+  }
+  for (size_t id = 0; id < count; ++id) {
+    const auto& box = boxes[id];
+    components[id].min = {box.xmin(), box.ymin(), box.zmin()};
+    components[id].max = {box.xmax(), box.ymax(), box.zmax()};
+  }
+  return components;
+}
+
+}  // namespace
+
 rust::String library_versions() {
   return std::string("CGAL ") + CGAL_VERSION_STR + ", OpenVDB " + OPENVDB_LIBRARY_VERSION_STRING;
+}
+
+Facts measure(rust::Slice<const double> points, rust::Slice<const uint32_t> triangles) {
+  auto [mesh, left_out] = polyhedron(points, triangles);
+  const ComponentOf component_of = mesh.add_property_map<Face, size_t>("component", 0).first;
+  const size_t count = PMP::connected_components(mesh, component_of);
+  Facts facts;
+  facts.left_out = left_out;
+  facts.closed = left_out == 0 && CGAL::is_closed(mesh);
+  facts.area = CGAL::to_double(PMP::area(mesh));
+  for (const Component& component : components(mesh, component_of, count)) {
+    facts.components.push_back(component);
+  }
+  return facts;
+}
+
+uint64_t count_self_intersections(rust::Slice<const double> points,
+                                  rust::Slice<const uint32_t> triangles) {
+  const Polyhedron mesh = polyhedron(points, triangles).first;
+  std::vector<std::pair<Face, Face>> pairs;
+  PMP::self_intersections(mesh, std::back_inserter(pairs));
+  return pairs.size();
+}
+
+struct Tree::Impl {
+  using Plain = CGAL::Simple_cartesian<double>;
+  using Triangles = std::vector<Plain::Triangle_3>;
+  using Primitive = CGAL::AABB_triangle_primitive<Plain, Triangles::const_iterator>;
+
+  Triangles triangles;
+  CGAL::AABB_tree<CGAL::AABB_traits<Plain, Primitive>> tree;
+
+  Impl(rust::Slice<const double> points, rust::Slice<const uint32_t> corners) {
+    const size_t count = points.size() / 3;
+    const auto point = [&points, count](size_t i) {
+      if (i >= count) throw std::out_of_range("vertex index");
+      return Plain::Point_3(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
+    };
+    for (size_t i = 0; i + 2 < corners.size(); i += 3) {
+      const Plain::Triangle_3 triangle(point(corners[i]), point(corners[i + 1]),
+                                       point(corners[i + 2]));
+      if (!triangle.is_degenerate()) triangles.push_back(triangle);
+    }
+    if (triangles.empty()) throw std::invalid_argument("a mesh without area has no distances");
+    tree.insert(triangles.cbegin(), triangles.cend());
+    tree.build();
+    tree.accelerate_distance_queries();
+  }
+};
+
+Tree::Tree(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
+Tree::~Tree() = default;
+
+std::unique_ptr<Tree> new_tree(rust::Slice<const double> points,
+                               rust::Slice<const uint32_t> triangles) {
+  return std::make_unique<Tree>(std::make_unique<const Tree::Impl>(points, triangles));
+}
+
+rust::Vec<double> distances(const Tree& tree, rust::Slice<const double> points) {
+  rust::Vec<double> distances;
+  distances.reserve(points.size() / 3);
+  for (size_t i = 0; i + 2 < points.size(); i += 3) {
+    const Tree::Impl::Plain::Point_3 point(points[i], points[i + 1], points[i + 2]);
+    distances.push_back(std::sqrt(tree.impl().tree.squared_distance(point)));
+  }
+  return distances;
+}
+
+Soup read_soup(rust::Str path) {
+  std::vector<Kernel::Point_3> points;
+  std::vector<std::vector<size_t>> polygons;
+  if (!CGAL::IO::read_polygon_soup(std::string(path), points, polygons)) {
+    throw std::runtime_error("it cannot be read as its name promises, or ends early");
+  }
+  Soup soup;
+  for (const auto& point : points) {
+    for (int axis = 0; axis < 3; ++axis) soup.points.push_back(point[axis]);
+  }
+  for (const auto& polygon : polygons) {
+    for (const size_t corner : polygon) {
+      if (corner >= points.size())
+        throw std::out_of_range("a face names a vertex that is not there");
+    }
+    for (size_t i = 2; i < polygon.size(); ++i) {
+      for (const size_t corner : {size_t(0), i - 1, i}) {
+        soup.triangles.push_back(static_cast<uint32_t>(polygon[corner]));
+      }
+    }
+  }
+  return soup;
 }
 
 }  // namespace transect::measure

@@ -1,11 +1,43 @@
 // Questions about triangle meshes, answered by CGAL. No CGAL type crosses.
 #pragma once
 
+#include <cstdint>
+#include <memory>
+
 #include "rust/cxx.h"
 #include "transect/cpp/trycatch.h"
 
 namespace transect::measure {
 
+struct Facts;
+struct Soup;
+
 rust::String library_versions();
+
+// Corner coordinates by threes, triangles by threes. Throws on an index out of
+// range.
+Facts measure(rust::Slice<const double> points, rust::Slice<const uint32_t> triangles);
+uint64_t count_self_intersections(rust::Slice<const double> points,
+                                  rust::Slice<const uint32_t> triangles);
+
+// An AABB tree over the triangles that have an area, with all that queries
+// need built: after that they only read.
+class Tree {
+ public:
+  struct Impl;
+  explicit Tree(std::unique_ptr<const Impl> impl);
+  ~Tree();
+  const Impl& impl() const { return *impl_; }
+
+ private:
+  std::unique_ptr<const Impl> impl_;
+};
+std::unique_ptr<Tree> new_tree(rust::Slice<const double> points,
+                               rust::Slice<const uint32_t> triangles);
+// For each point (by threes) the distance to the nearest triangle.
+rust::Vec<double> distances(const Tree& tree, rust::Slice<const double> points);
+
+// The polygons of an OFF, OBJ, STL or PLY file, each as a fan of triangles.
+Soup read_soup(rust::Str path);
 
 }  // namespace transect::measure

@@ -2,10 +2,12 @@
 //! cross-sections of any orientation.
 
 pub mod arrangement;
+pub mod check;
 pub mod error;
 pub mod ffi;
 pub mod field;
 pub mod grid;
+pub mod inspect;
 pub mod io;
 pub mod label;
 pub mod mesh;

@@ -1,4 +1,7 @@
-//! test
-fn main() {
-    println!("{}", transect::ffi::measure::library_versions());
+//! The command line of transect.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    transect::cli::run()
 }

@@ -1,14 +1,75 @@
 //! Questions about triangle meshes, answered by CGAL's
-//! Polygon_mesh_processing (`cpp/measure.cc`).
+//! Polygon_mesh_processing and AABB tree (`cpp/measure.cc`).
 
 #[cxx::bridge(namespace = "transect::measure")]
 mod bridge {
+    /// One connected piece of a surface.
+    #[derive(Debug, Clone)]
+    struct Component {
+        /// Cubic world units; negative where the surface faces inward.
+        volume: f64,
+        /// Vertices − edges + faces.
+        euler: i64,
+        /// The corner of its box with the smallest coordinates.
+        min: [f64; 3],
+        /// The corner of its box with the largest coordinates.
+        max: [f64; 3],
+    }
+
+    /// What is known about a surface.
+    #[derive(Debug, Clone)]
+    struct Facts {
+        /// Triangles that do not fit because an edge already has two others,
+        /// or one that runs the same way.
+        left_out: u64,
+        /// Whether every triangle fits and every edge has two.
+        closed: bool,
+        /// Square world units.
+        area: f64,
+        /// The connected pieces.
+        components: Vec<Component>,
+    }
+
+    /// Triangles from a file.
+    #[derive(Debug, Clone)]
+    struct Soup {
+        /// Coordinates by threes.
+        points: Vec<f64>,
+        /// Vertex numbers by threes.
+        triangles: Vec<u32>,
+    }
+
     unsafe extern "C++" {
         include!("transect/cpp/measure.h");
 
         /// The versions of CGAL and OpenVDB that this program was built with.
         fn library_versions() -> String;
+
+        /// Closedness, volume, area and topology of a triangle mesh.
+        fn measure(points: &[f64], triangles: &[u32]) -> Result<Facts>;
+
+        /// How many pairs of triangles intersect other than in what they
+        /// share.
+        fn count_self_intersections(points: &[f64], triangles: &[u32]) -> Result<u64>;
+
+        /// Triangles arranged for distance queries, from any thread.
+        type Tree;
+
+        /// A tree over the triangles.
+        fn new_tree(points: &[f64], triangles: &[u32]) -> Result<UniquePtr<Tree>>;
+
+        /// For each point, by threes, the distance to the nearest triangle.
+        fn distances(tree: &Tree, points: &[f64]) -> Result<Vec<f64>>;
+
+        /// The polygons of an OFF, OBJ, STL or PLY file.
+        fn read_soup(path: &str) -> Result<Soup>;
     }
 }
 
 pub use bridge::*;
+
+// SAFETY: a Tree is built in full, its search structure for distances
+// included, before it is handed out, and has no method that changes it.
+unsafe impl Send for Tree {}
+// SAFETY: as above; CGAL allows concurrent queries of a tree that is built.
+unsafe impl Sync for Tree {}

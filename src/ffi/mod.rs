@@ -1,5 +1,7 @@
 //! The bridges to C++: the only place where `cxx` appears. Flat slices cross
 //! them, in few calls; every function that can throw returns a `Result`.
 
+pub mod arrangement;
 pub mod measure;
+pub mod threads;
 pub mod partition;

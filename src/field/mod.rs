@@ -1,12 +1,48 @@
 //! The field: for every label a function on the box, positive inside,
 //! negative outside, zero on the surface.
+//!
+//! The mean-value indicator of Bermano et al., Eqs. 2–5. For x in a cell, W_l
+//! is the sum over the regions P of label l on the cell's boundary of
+//!
+//! ```text
+//! I_P(x) = ∬_P |γ| / ‖y − x‖⁴ dA = S_P / (2 |γ|),
+//! S_P = Σ_edges θ · cross(p, q) / c,   c² = cross(p, q)² + γ² ‖q − p‖²,
+//! θ = atan2(c, p·q + γ²),
+//! ```
+//!
+//! with γ the distance from x to P's plane and p, q an edge's ends relative to
+//! x's foot point, in the plane's own right-handed frame, the region on the
+//! left. Then f_l = (2 W_l − W) / W with W = Σ_l W_l. The sum S_P does not
+//! depend on the side that x is on, since only γ² occurs in it. Close to its
+//! own face it tends to 2π, so |γ| is clamped to a small positive *clearance*
+//! and points on a plane need no case of their own.
+//!
+//! [`Reference`] states this in f64. [`Cpu`] and [`Gpu`] evaluate what
+//! `packing` lays out for them in f32; one contract binds all three.
 
 use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::error::Result;
+use crate::arrangement::Arrangement;
+use crate::error::{Error, Result};
 use crate::label::Label;
+
+mod cpu;
+mod gpu;
+mod kernel;
+mod lanes;
+mod packing;
+mod reference;
+
+#[cfg(test)]
+mod contract;
+#[cfg(test)]
+mod fixture;
+
+pub use cpu::Cpu;
+pub use gpu::{Adapter, Gpu};
+pub use reference::Reference;
 
 /// Points grouped by the cell they lie in.
 #[derive(Debug, Clone, Default)]
@@ -20,7 +56,7 @@ pub struct Queries {
 /// Points in one cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Run {
-    /// Index into [`Arrangement::cells`](crate::arrangement::Arrangement::cells).
+    /// Index into [`Arrangement::cells`].
     pub cell: u32,
     /// Indices into [`Queries::points`].
     pub points: Range<usize>,
@@ -31,10 +67,107 @@ pub trait Field: Send + Sync {
     /// The labels that can occur in a cell, sorted.
     fn labels(&self, cell: u32) -> &[Label];
 
+    /// How many edges are evaluated for one point of a cell; none in a cell
+    /// with a single label.
+    fn edges(&self, cell: u32) -> u64;
+
+    /// The backend and what it runs on, for people to read.
+    fn name(&self) -> String;
+
     /// For each run in turn, for each of its points, one value in [−1, 1] per
     /// label of its cell in the order of [`Field::labels`].
     ///
     /// # Errors
     /// When the device fails.
     fn evaluate(&self, queries: &Queries) -> Result<Vec<f32>>;
+}
+
+/// Where the field is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Device {
+    /// A hardware GPU when there is one, else the CPU.
+    #[default]
+    Auto,
+    /// The CPU, all threads of the current rayon pool.
+    Cpu,
+    /// A GPU; a software adapter when there is no other.
+    Gpu,
+}
+
+/// The field of an arrangement. Distances to a plane below `clearance` (world
+/// units, positive) count as `clearance`.
+///
+/// # Errors
+/// [`Error::Option`] for a bad clearance or an unknown region;
+/// [`Error::Device`] when a GPU is asked for and none works.
+pub fn new(arrangement: &Arrangement, clearance: f64, device: Device) -> Result<Box<dyn Field>> {
+    match device {
+        Device::Cpu => Ok(Box::new(Cpu::new(arrangement, clearance)?)),
+        Device::Gpu => Ok(Box::new(Gpu::new(arrangement, clearance, Adapter::Any)?)),
+        Device::Auto => match Gpu::new(arrangement, clearance, Adapter::Hardware) {
+            Ok(gpu) => Ok(Box::new(gpu)),
+            Err(Error::Device(_)) => new(arrangement, clearance, Device::Cpu),
+            Err(other) => Err(other),
+        },
+    }
+}
+
+impl Queries {
+    /// How many edges `field` evaluates for these points.
+    pub fn edge_evaluations(&self, field: &dyn Field) -> u64 {
+        self.runs.iter().map(|run| run.points.len() as u64 * field.edges(run.cell)).sum()
+    }
+
+    /// Whether the runs cover the points in order and name existing cells.
+    fn check(&self, cells: usize) -> Result<()> {
+        let mut covered = 0;
+        for run in &self.runs {
+            let fits = run.points.start == covered && run.points.end >= covered;
+            if !fits || run.cell as usize >= cells {
+                return Err(bug(format!("run {run:?} does not follow point {covered}")));
+            }
+            covered = run.points.end;
+        }
+        if covered == self.points.len() {
+            Ok(())
+        } else {
+            Err(bug(format!("runs cover {covered} of {} points", self.points.len())))
+        }
+    }
+}
+
+/// Refuses what no backend can evaluate, and returns the clearance to use:
+/// 1e-9 of the box's diagonal at least, below which f32 could underflow.
+fn checked_clearance(arrangement: &Arrangement, clearance: f64) -> Result<f64> {
+    if !(clearance.is_finite() && clearance > 0.0) {
+        return Err(Error::Option(format!(
+            "the field's clearance must be a positive number, not {clearance}"
+        )));
+    }
+    refuse_unknown(arrangement)?;
+    Ok(clearance.max(SMALLEST_CLEARANCE * arrangement.bounds().diagonal()))
+}
+
+/// The smallest clearance, in units of the box's diagonal or the cell's size.
+const SMALLEST_CLEARANCE: f64 = 1e-9;
+
+fn refuse_unknown(arrangement: &Arrangement) -> Result<()> {
+    let Some(face) = arrangement.faces().iter().find(|face| face.labels.contains(&Label::UNKNOWN))
+    else {
+        return Ok(());
+    };
+    let (plane, sections) = (face.plane as usize, arrangement.planes().len().saturating_sub(6));
+    let place = if plane < sections {
+        format!("section {} of {sections}", plane + 1)
+    } else {
+        "the box".to_owned()
+    };
+    Err(Error::Option(format!(
+        "{place} has unknown regions, which this version cannot complete: \
+         give them a label, or let the border of the box count as outside"
+    )))
+}
+
+fn bug(what: impl Into<String>) -> Error {
+    Error::Bug { stage: "field", what: what.into() }
 }

@@ -58,7 +58,7 @@ fn section(rows: &mut Rows, number: usize) -> Result<Raw<Content>> {
     let [vertices, loops] =
         [row.count(1, "the number of vertices")?, row.count(2, "the number of loops")?];
     let normal = row.vector(3, "the plane's normal")?;
-    let offset = -row.number(6, "the plane's D")?; // A x + B y + C z + D = 0
+    let offset = 0.0 - row.number(6, "the plane's D")?; // A x + B y + C z + D = 0
     let plane = Plane { normal, offset };
     if normal == DVec3::ZERO {
         return Err(row.error("the plane's normal (A, B, C) is zero: correct the plane"));

@@ -2,6 +2,8 @@
 
 pub mod cut;
 pub mod dual;
+pub mod facts;
+pub mod nearest;
 #[cfg(test)]
 pub(crate) mod shapes;
 pub mod surface;

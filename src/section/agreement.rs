@@ -9,8 +9,9 @@ use serde::Serialize;
 use super::{Section, Sections};
 use crate::label::Label;
 
-/// Shorter than this, relative to the diagonal, is rounding.
-const NOISE: f64 = 1e-9;
+/// Shorter than this, relative to the diagonal, is rounding: files give seven
+/// digits after the point, of vertices that lie near their planes.
+const NOISE: f64 = 1e-8;
 
 /// How two sections differ along their common line.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -67,11 +68,8 @@ fn disagreement(a: &Section, b: &Section) -> Option<Disagreement> {
         worst_length: 0.0,
         labels: [String::new(), String::new()],
     };
-    let mut places = Vec::new();
     for (start, end, labels) in together(&first, &second) {
-        places.push((0.5 * (start + end), end - start, labels));
-    }
-    for (middle, length, labels) in places {
+        let length = end - start;
         if labels.iter().any(|label| label.is_material()) {
             found.occupied += length;
         }
@@ -80,8 +78,8 @@ fn disagreement(a: &Section, b: &Section) -> Option<Disagreement> {
         }
         found.length += length;
         if length > found.worst_length {
-            let on_line = a.plane.lift(a.plane.project(foot(a, b, origin) + middle * direction));
-            found.worst = on_line.to_array();
+            let middle = foot(a, b, origin) + 0.5 * (start + end) * direction;
+            found.worst = a.plane.lift(a.plane.project(middle)).to_array();
             found.worst_length = length;
             found.labels = labels.map(|label| label.to_string());
         }

@@ -88,7 +88,7 @@ impl<'a> Draft<'a> {
 
     /// A place on the plane, in space, for messages.
     pub fn place(&self, kept: DVec2) -> DVec3 {
-        self.plane.lift(kept)
+        self.plane.lift(kept) + 0.0 // no -0
     }
 }
 

@@ -1,0 +1,313 @@
+//! How far the contours are from the surface.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::Result;
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::mesh::nearest::Nearest;
+use crate::section::Section;
+
+/// Beyond how many voxels a contour vertex counts as far from the surface,
+/// and below which width a contour counts as thin.
+pub const LIMIT: f64 = 2.0;
+
+/// Contour vertices of one label on one section that have something in common.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Place {
+    /// The section's name.
+    pub section: String,
+    /// The label that the contour bounds.
+    pub label: u32,
+    /// How many vertices.
+    pub vertices: usize,
+    /// The largest distance to the label's surface, in voxels; `None` where
+    /// the mesh has none.
+    pub distance: Option<f64>,
+    /// Where that is, in world units.
+    pub at: [f64; 3],
+}
+
+/// Distances from contour vertices to the surface of the label they bound.
+/// A vertex between two materials is asked for both.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Contours {
+    /// Vertices that count.
+    pub vertices: usize,
+    /// The largest distance, in voxels, of all that count.
+    pub largest: f64,
+    /// The mean distance, in voxels, of all that count.
+    pub mean: f64,
+    /// Where the vertices beyond [`LIMIT`] are that count.
+    pub far: Vec<Place>,
+    /// Vertices beyond [`LIMIT`] that do not count, since the contour is
+    /// thinner there than the lattice can show ([`is_thin`]).
+    pub thin: Vec<Place>,
+}
+
+/// Measures all sections; `voxel` in world units.
+pub fn contours(sections: &[Section], mesh: &Mesh, voxel: f64) -> Result<Contours> {
+    let mut result = Contours::default();
+    let mut sum = 0.0;
+    for label in labels(sections) {
+        let nearest = Nearest::on_border(mesh, label)?;
+        let per_section: Vec<Measured> = sections
+            .par_iter()
+            .map(|section| measure(section, label, nearest.as_ref(), voxel))
+            .collect::<Result<_>>()?;
+        for measured in per_section {
+            result.vertices += measured.vertices;
+            sum += measured.sum;
+            result.largest = result.largest.max(measured.largest);
+            result.far.extend(measured.far);
+            result.thin.extend(measured.thin);
+        }
+    }
+    result.mean = if result.vertices > 0 { sum / result.vertices as f64 } else { 0.0 };
+    Ok(result)
+}
+
+fn labels(sections: &[Section]) -> Vec<Label> {
+    let mut labels: Vec<Label> = sections.iter().flat_map(Section::labels).collect();
+    labels.retain(|label| label.is_material());
+    labels.sort();
+    labels.dedup();
+    labels
+}
+
+/// One label on one section.
+#[derive(Default)]
+struct Measured {
+    vertices: usize,
+    sum: f64,
+    largest: f64,
+    far: Option<Place>,
+    thin: Option<Place>,
+}
+
+fn measure(
+    section: &Section,
+    label: Label,
+    nearest: Option<&Nearest>,
+    voxel: f64,
+) -> Result<Measured> {
+    let vertices = contour_vertices(section, label);
+    let points: Vec<DVec3> = vertices.iter().map(|&vertex| section.point(vertex)).collect();
+    let distances = match nearest {
+        Some(nearest) => nearest.distances(&points)?,
+        None => vec![f64::INFINITY; points.len()],
+    };
+    let mut measured = Measured::default();
+    let around = Surroundings::new(section, voxel);
+    for ((&vertex, point), distance) in vertices.iter().zip(points).zip(distances) {
+        let distance = distance / voxel;
+        let far = distance > LIMIT;
+        if far && around.is_thin(vertex, label) {
+            note(&mut measured.thin, section, label, point, distance);
+            continue;
+        }
+        if far {
+            note(&mut measured.far, section, label, point, distance);
+        }
+        if distance.is_finite() {
+            measured.vertices += 1;
+            measured.sum += distance;
+            measured.largest = measured.largest.max(distance);
+        }
+    }
+    Ok(measured)
+}
+
+/// The vertices of edges between a label and something known, sorted.
+fn contour_vertices(section: &Section, label: Label) -> Vec<u32> {
+    let mut vertices: Vec<u32> = section
+        .edges()
+        .iter()
+        .filter(|edge| edge.left == label || edge.right == label)
+        .filter(|edge| edge.left != Label::UNKNOWN && edge.right != Label::UNKNOWN)
+        .flat_map(|edge| [edge.start, edge.end])
+        .collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}
+
+fn note(place: &mut Option<Place>, section: &Section, label: Label, point: DVec3, distance: f64) {
+    let finite = distance.is_finite().then_some(distance);
+    let place = place.get_or_insert_with(|| Place {
+        section: section.name().to_owned(),
+        label: label.0,
+        vertices: 0,
+        distance: finite,
+        at: point.to_array(),
+    });
+    place.vertices += 1;
+    if finite > place.distance {
+        (place.distance, place.at) = (finite, point.to_array());
+    }
+}
+
+/// A section laid out flat, in voxels.
+struct Surroundings<'a> {
+    section: &'a Section,
+    points: Vec<DVec2>,
+}
+
+impl<'a> Surroundings<'a> {
+    fn new(section: &'a Section, voxel: f64) -> Self {
+        let axes = section.plane().tangents().map(|tangent| tangent / voxel);
+        let points = (0..section.vertices().len() as u32)
+            .map(|vertex| section.point(vertex))
+            .map(|point| DVec2::new(point.dot(axes[0]), point.dot(axes[1])))
+            .collect();
+        Self { section, points }
+    }
+
+    /// Whether the contour of `label` is thin at a vertex: no disc of
+    /// [`LIMIT`] voxels' diameter that lies within `label`, or none that lies
+    /// within one other label, comes within one voxel of the vertex. This is
+    /// so at slivers, narrow gaps and small specks and holes, and at the tips
+    /// of spikes of less than 60°, but not at other corners.
+    fn is_thin(&self, vertex: u32, label: Label) -> bool {
+        const DIRECTIONS: u32 = 32;
+        let radius = LIMIT / 2.0;
+        let at = self.points[vertex as usize];
+        let near = self.edges_within(at, 2.0 * radius + 1.0);
+        let (mut fits_inside, mut fits_beside) = (false, false);
+        for step in 0..=4 {
+            let reach = radius + f64::from(step) / 4.0;
+            for direction in 0..DIRECTIONS {
+                let angle = std::f64::consts::TAU * f64::from(direction) / f64::from(DIRECTIONS);
+                let centre = at + reach * DVec2::from_angle(angle);
+                // A little less than the radius: along a straight contour the
+                // disc touches it.
+                if near.iter().all(|&edge| distance(centre, edge) > radius - 1e-3) {
+                    let inside = self.label_at(centre) == label;
+                    fits_inside |= inside;
+                    fits_beside |= !inside;
+                }
+            }
+        }
+        !(fits_inside && fits_beside)
+    }
+
+    fn edges_within(&self, at: DVec2, reach: f64) -> Vec<[DVec2; 2]> {
+        self.ends().map(|(ends, _)| ends).filter(|&ends| distance(at, ends) <= reach).collect()
+    }
+
+    /// The ends of every edge, with its labels left and right.
+    fn ends(&self) -> impl Iterator<Item = ([DVec2; 2], [Label; 2])> {
+        self.section.edges().iter().map(|edge| {
+            let ends = [edge.start, edge.end].map(|vertex| self.points[vertex as usize]);
+            (ends, [edge.left, edge.right])
+        })
+    }
+
+    /// The label at a point, from the first edge that a ray to the right
+    /// meets; the background where it meets none.
+    fn label_at(&self, at: DVec2) -> Label {
+        self.ends()
+            .filter(|([start, end], _)| (start.y <= at.y) != (end.y <= at.y))
+            .map(|([start, end], labels)| {
+                let x = start.x + (at.y - start.y) / (end.y - start.y) * (end.x - start.x);
+                // Left of an upward edge is what the ray comes from.
+                (x, labels[usize::from(start.y > end.y)])
+            })
+            .filter(|(x, _)| *x > at.x)
+            .min_by(|one, other| one.0.total_cmp(&other.0))
+            .map_or(self.section.background(), |(_, label)| label)
+    }
+}
+
+/// From a point to a segment.
+fn distance(point: DVec2, [start, end]: [DVec2; 2]) -> f64 {
+    let (along, offset) = (end - start, point - start);
+    let fraction = (offset.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    (offset - fraction * along).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::shapes::{disc, section};
+    use crate::mesh::shapes::solid;
+    use crate::plane::Plane;
+
+    const FLOOR: Plane = Plane { normal: DVec3::Z, offset: 0.0 };
+
+    /// Which corners of a polygon are thin, for voxels of side 1.
+    fn thin_corners(corners: &[[f64; 2]]) -> Vec<bool> {
+        let corners: Vec<DVec2> = corners.iter().map(|&corner| corner.into()).collect();
+        let section = section(FLOOR, &corners, Label(1));
+        let around = Surroundings::new(&section, 1.0);
+        (0..corners.len() as u32).map(|vertex| around.is_thin(vertex, Label(1))).collect()
+    }
+
+    #[test]
+    fn squares_are_thin_below_two_voxels() {
+        let square =
+            |side: f64| thin_corners(&[[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]]);
+        assert_eq!(square(2.5), [false; 4]);
+        assert_eq!(square(1.8), [true; 4]);
+    }
+
+    #[test]
+    fn a_sliver_and_a_spike_are_thin_and_what_they_grow_from_is_not() {
+        // A square of side 8 with a sliver one voxel wide at its right end.
+        let thin = thin_corners(&[
+            [0.0, 0.0],
+            [8.0, 0.0],
+            [8.0, 4.0],
+            [14.0, 4.0],
+            [14.0, 5.0],
+            [8.0, 5.0],
+            [8.0, 8.0],
+            [0.0, 8.0],
+        ]);
+        assert_eq!(thin, [false, false, false, true, true, false, false, false]);
+        let spike = thin_corners(&[[0.0, 0.0], [20.0, 0.0], [10.0, 30.0]]);
+        assert_eq!(spike, [false, false, true]);
+    }
+
+    #[test]
+    fn a_slot_is_a_thin_gap() {
+        // A slot one voxel wide, open at the top, in a square of side 9.
+        let thin = thin_corners(&[
+            [0.0, 0.0],
+            [9.0, 0.0],
+            [9.0, 9.0],
+            [5.0, 9.0],
+            [5.0, 4.0],
+            [4.0, 4.0],
+            [4.0, 9.0],
+            [0.0, 9.0],
+        ]);
+        assert_eq!(thin, [false, false, false, false, true, true, false, false]);
+    }
+
+    #[test]
+    fn contours_on_a_ball_are_near_and_others_are_as_far_as_they_are() {
+        let ball = solid(61, 1.0, |point| 0.8 - point.length());
+        let voxel = 2.0 / 60.0;
+        let on = contours(&[disc(FLOOR, 0.8, 100, Label(1))], &ball, voxel).unwrap();
+        assert_eq!((on.vertices, on.far.len(), on.thin.len()), (100, 0, 0));
+        assert!(on.largest < 0.1 && on.mean <= on.largest, "{on:?}");
+        let within = contours(&[disc(FLOOR, 0.6, 100, Label(1))], &ball, voxel).unwrap();
+        assert!((within.largest - 0.2 / voxel).abs() < 0.1 && within.mean > 5.9);
+        assert_eq!((within.far[0].vertices, within.far[0].label), (100, 1));
+    }
+
+    #[test]
+    fn a_speck_is_listed_and_a_label_without_surface_too() {
+        let ball = solid(31, 1.0, |point| 0.8 - point.length());
+        let voxel = 2.0 / 30.0;
+        let speck = disc(FLOOR, 0.9 * voxel, 12, Label(1));
+        let found = contours(&[speck], &ball, voxel).unwrap();
+        assert_eq!((found.vertices, found.far.len(), found.thin[0].vertices), (0, 0, 12));
+        let absent = disc(FLOOR, 0.5, 12, Label(7));
+        let found = contours(&[absent], &ball, voxel).unwrap();
+        assert_eq!((found.far[0].distance, found.far[0].vertices), (None, 12));
+    }
+}

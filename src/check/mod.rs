@@ -1,0 +1,199 @@
+//! What a result is worth: how well it agrees with the sections, and whether
+//! its surfaces are what they should be.
+
+pub mod contour;
+pub mod overlap;
+#[cfg(test)]
+pub(crate) mod shapes;
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::Result;
+use crate::grid::samples::Lattice;
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::mesh::facts::Facts;
+use crate::progress::Progress;
+use crate::section::Section;
+use contour::Contours;
+use overlap::Counts;
+
+/// What is measured besides the rest.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Whether self-intersections are counted, which is slow.
+    pub self_intersections: bool,
+}
+
+/// What a mesh is worth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// The side of a voxel, in world units: what distances are given in.
+    pub voxel: f64,
+    /// The sections' agreement with the mesh.
+    pub dice: Agreement,
+    /// The contours' distances to it.
+    pub contours: Contours,
+    /// Every material of the sections and of the mesh, by number.
+    pub labels: Vec<LabelCheck>,
+    /// The volume of the lattice's box less that of all materials, in cubic
+    /// world units.
+    pub outside_volume: f64,
+    /// The volume of the lattice's box, in cubic world units.
+    pub box_volume: f64,
+}
+
+/// Dice's coefficient between sections and the mesh's cuts by their planes,
+/// rasterised with pixels of half a voxel; all materials pooled. Sections on
+/// which both are empty have none.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Agreement {
+    /// The mean over the sections; 1 when all are empty.
+    pub mean: f64,
+    /// The smallest; 1 when all are empty.
+    pub min: f64,
+    /// In the order of the sections.
+    pub sections: Vec<SectionCheck>,
+}
+
+/// One section's agreement with the mesh.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SectionCheck {
+    /// The section's name.
+    pub section: String,
+    /// Of all materials together.
+    pub dice: Option<f64>,
+    /// For each material by number.
+    pub labels: BTreeMap<u32, Option<f64>>,
+}
+
+/// One label's surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LabelCheck {
+    /// The label.
+    pub label: u32,
+    /// What its closed surface is like.
+    #[serde(flatten)]
+    pub facts: Facts,
+}
+
+impl Check {
+    /// Whether every surface is closed and faces outward.
+    pub fn is_sound(&self) -> bool {
+        self.labels.iter().all(|label| label.facts.closed && label.facts.outward)
+    }
+}
+
+/// Checks a mesh made on a lattice against the sections it was made from.
+pub fn check(
+    sections: &[Section],
+    mesh: &Mesh,
+    lattice: &Lattice,
+    options: Options,
+    progress: &dyn Progress,
+) -> Result<Check> {
+    let labels = labels(sections, mesh);
+    progress.begin("check", (sections.len() + labels.len()) as u64 + 1);
+    let dice = agreement(sections, mesh, 0.5 * lattice.voxel, progress);
+    let contours = contour::contours(sections, mesh, lattice.voxel)?;
+    progress.advance(1);
+    let labels: Vec<LabelCheck> = labels
+        .par_iter()
+        .map(|&label| {
+            let facts = mesh.surface(label).facts(options.self_intersections)?;
+            progress.advance(1);
+            Ok(LabelCheck { label: label.0, facts })
+        })
+        .collect::<Result<_>>()?;
+    let box_volume = lattice.dims.iter().map(|&nodes| f64::from(nodes - 1) * lattice.voxel);
+    let box_volume = box_volume.product();
+    let materials: f64 = labels.iter().map(|label| label.facts.volume).sum();
+    Ok(Check {
+        voxel: lattice.voxel,
+        dice,
+        contours,
+        labels,
+        outside_volume: box_volume - materials,
+        box_volume,
+    })
+}
+
+fn labels(sections: &[Section], mesh: &Mesh) -> Vec<Label> {
+    let mut labels = mesh.labels();
+    labels.extend(sections.iter().flat_map(Section::labels).filter(|label| label.is_material()));
+    labels.sort();
+    labels.dedup();
+    labels
+}
+
+fn agreement(sections: &[Section], mesh: &Mesh, pixel: f64, progress: &dyn Progress) -> Agreement {
+    let sections: Vec<SectionCheck> = sections
+        .par_iter()
+        .map(|section| {
+            let counts = overlap::overlap(section, mesh, pixel);
+            progress.advance(1);
+            SectionCheck {
+                section: section.name().to_owned(),
+                dice: Counts::pooled(counts.values()).dice(),
+                labels: counts.iter().map(|(label, counts)| (label.0, counts.dice())).collect(),
+            }
+        })
+        .collect();
+    let all: Vec<f64> = sections.iter().filter_map(|section| section.dice).collect();
+    let mean = if all.is_empty() { 1.0 } else { all.iter().sum::<f64>() / all.len() as f64 };
+    Agreement { mean, min: all.iter().copied().fold(1.0, f64::min), sections }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::mesh::dual;
+    use crate::mesh::shapes::samples;
+    use crate::plane::Plane;
+    use crate::progress::Silent;
+
+    /// A ball of radius 0.5 (label 1) inside a shell up to 0.8 (label 2).
+    fn nested() -> (Mesh, Lattice) {
+        let lattice = Lattice { origin: DVec3::splat(-1.0), voxel: 0.04, dims: [51; 3] };
+        let samples = samples(lattice, |node| {
+            let radius = lattice.position(node).length();
+            let share = |to: f64| ((to - radius) / 0.12).clamp(-1.0, 1.0) as f32;
+            // The shares of the ball and of the union, as indicators.
+            let (ball, both) = (share(0.5), share(0.8));
+            vec![ball, both - ball - 1.0]
+        });
+        (dual(&samples, &Silent).unwrap(), lattice)
+    }
+
+    #[test]
+    fn a_ball_in_a_shell() {
+        let (mesh, lattice) = nested();
+        let plane = Plane { normal: DVec3::Y, offset: 0.3 };
+        let section = shapes::disc(plane, 0.4, 200, Label(1));
+        let check = check(&[section], &mesh, &lattice, Options::default(), &Silent).unwrap();
+        assert!(check.is_sound());
+        let [ball, shell] = &check.labels[..] else { panic!("{:?}", check.labels) };
+        let sphere = |radius: f64| 4.0 / 3.0 * PI * radius.powi(3);
+        assert!((ball.facts.volume / sphere(0.5) - 1.0).abs() < 1e-2);
+        assert!((shell.facts.volume / (sphere(0.8) - sphere(0.5)) - 1.0).abs() < 1e-2);
+        assert_eq!((shell.facts.components, shell.facts.cavities), (2, 1));
+        assert!((check.box_volume - 8.0).abs() < 1e-12);
+        let sum = check.outside_volume + ball.facts.volume + shell.facts.volume;
+        assert!((sum - 8.0).abs() < 1e-12);
+        // The section knows only the ball: its disc of area π 0.4² agrees;
+        // the shell on that plane, π (0.55 − 0.16), is not on the section.
+        let labels = &check.dice.sections[0].labels;
+        assert!(labels[&1].unwrap() > 0.99);
+        assert_eq!(labels[&2], Some(0.0));
+        let pooled = 2.0 * 0.16 / (0.16 + 0.16 + 0.39);
+        assert!((check.dice.mean - pooled).abs() < 0.01, "{}", check.dice.mean);
+        assert!(check.contours.largest < 0.1);
+    }
+}

@@ -1,0 +1,38 @@
+//! Sections for tests.
+
+use glam::{DVec2, DVec3};
+
+use crate::label::Label;
+use crate::plane::Plane;
+use crate::section::{Edge, Section};
+
+/// The edges of a counter-clockwise polygon with `label` inside and outside
+/// around it.
+pub fn polygon(corners: u32, label: Label) -> Vec<Edge> {
+    let edge =
+        |start| Edge { start, end: (start + 1) % corners, left: label, right: Label::OUTSIDE };
+    (0..corners).map(edge).collect()
+}
+
+/// A polygon on a plane, given in its tangents' coordinates around the foot
+/// of the origin.
+pub fn section(plane: Plane, corners: &[DVec2], label: Label) -> Section {
+    let [first, second] = plane.tangents();
+    let foot = plane.unit_normal() * plane.offset / plane.normal.length();
+    let point = |corner: &DVec2| -> DVec3 { foot + first * corner.x + second * corner.y };
+    Section {
+        name: "test".into(),
+        plane,
+        vertices: corners.iter().map(|corner| plane.project(point(corner))).collect(),
+        edges: polygon(corners.len() as u32, label),
+        background: Label::OUTSIDE,
+    }
+}
+
+/// A disc around the foot of the origin on a plane.
+pub fn disc(plane: Plane, radius: f64, corners: u32, label: Label) -> Section {
+    let turn = std::f64::consts::TAU / f64::from(corners);
+    let corners: Vec<DVec2> =
+        (0..corners).map(|at| radius * DVec2::from_angle(turn * f64::from(at))).collect();
+    section(plane, &corners, label)
+}

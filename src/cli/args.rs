@@ -1,0 +1,215 @@
+//! The arguments as text.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::field::Device;
+use crate::section::{Overlap, Rules};
+
+/// Volumes and surfaces from labelled planar cross-sections of any orientation.
+#[derive(Debug, Parser)]
+#[command(name = "transect", version, about, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Turn sections into volumes, surfaces, pictures and a report
+    Reconstruct(ReconstructArguments),
+    /// Cut a mesh with planes into sections
+    Slice(SliceArguments),
+    /// Tell what is in section files, and what is wrong with it
+    Inspect(InspectArguments),
+    /// Measure how far a mesh is from a reference
+    Compare(CompareArguments),
+}
+
+#[derive(Debug, Args)]
+pub struct ReconstructArguments {
+    /// Section files: .csl, .contour, .json
+    #[arg(required = true, value_name = "SECTIONS")]
+    pub sections: Vec<PathBuf>,
+    /// An output file, its kind by its name: .vdb, .ply, .obj, .stl, .off, .png; can be repeated
+    #[arg(short, long, required = true, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// How space between the sections is filled: mvc is the mean-value indicator
+    #[arg(long, value_enum, default_value_t = MethodName::Mvc)]
+    pub method: MethodName,
+    /// Voxels on the longest side of the box [default: 256]
+    #[arg(long, value_name = "N", conflicts_with = "voxel_size",
+          value_parser = clap::value_parser!(u32).range(4..))]
+    pub resolution: Option<u32>,
+    /// The side of a voxel, in world units
+    #[arg(long, value_name = "H", value_parser = positive)]
+    pub voxel_size: Option<f64>,
+    /// Steps of bi-Laplacian smoothing, contours fixed
+    #[arg(long, value_name = "STEPS", default_value_t = 4,
+          value_parser = clap::value_parser!(u32).range(..=1000))]
+    pub smooth: u32,
+    /// How the surface is made from the grid: dual contouring
+    #[arg(long, value_enum, default_value_t = MesherName::Dual)]
+    pub mesher: MesherName,
+    /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too
+    #[arg(long, value_enum, default_value_t = DeviceName::Auto)]
+    pub device: DeviceName,
+    /// Threads [default: as many as there are processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub threads: Option<u32>,
+    /// Grids of a .vdb file, separated by commas: surface, density, label, labels (a surface_<label> each), indicator
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',',
+          default_value = "surface,density,label,labels")]
+    pub grids: Vec<String>,
+    /// Write the report as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    /// No progress, no warnings, no table
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct ReadingArguments {
+    /// Turn every warning into an error
+    #[arg(long)]
+    pub strict: bool,
+    /// Who wins where loops of different labels overlap, instead of an error
+    #[arg(long, value_enum)]
+    pub overlap: Option<OverlapName>,
+}
+
+impl ReadingArguments {
+    pub fn rules(&self) -> Rules {
+        let overlap = self.overlap.map(|name| match name {
+            OverlapName::First => Overlap::First,
+            OverlapName::Last => Overlap::Last,
+            OverlapName::Smallest => Overlap::Smallest,
+        });
+        Rules { overlap, strict: self.strict, ..Rules::default() }
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("planes").required(true)))]
+pub struct SliceArguments {
+    /// A closed mesh: .ply (with labels or without), .obj, .stl, .off
+    #[arg(value_name = "MESH")]
+    pub mesh: PathBuf,
+    /// Parallel planes, normal to this axis; with --count
+    #[arg(long, value_enum, group = "planes", requires = "count")]
+    pub axis: Option<AxisName>,
+    /// How many parallel planes
+    #[arg(long, value_name = "N", requires = "axis",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub count: Option<u32>,
+    /// This many planes of random orientation
+    #[arg(long, value_name = "N", group = "planes",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub random: Option<u32>,
+    /// What the random planes are drawn from
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+    /// The plane A x + B y + C z + D = 0; can be repeated
+    #[arg(long, value_name = "A,B,C,D", group = "planes", allow_hyphen_values = true,
+          value_parser = four_numbers)]
+    pub plane: Vec<[f64; 4]>,
+    /// The section file to write: .csl or .json
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// No progress, no warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct InspectArguments {
+    /// Section files: .csl, .contour, .json
+    #[arg(required = true, value_name = "SECTIONS")]
+    pub sections: Vec<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// A closed mesh: .ply, .obj, .stl, .off
+    #[arg(value_name = "MESH")]
+    pub mesh: PathBuf,
+    /// What it is held against
+    #[arg(value_name = "REFERENCE")]
+    pub reference: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// No progress
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MethodName {
+    Mvc,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MesherName {
+    Dual,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DeviceName {
+    Auto,
+    Cpu,
+    Gpu,
+}
+
+impl From<DeviceName> for Device {
+    fn from(name: DeviceName) -> Self {
+        match name {
+            DeviceName::Auto => Self::Auto,
+            DeviceName::Cpu => Self::Cpu,
+            DeviceName::Gpu => Self::Gpu,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum OverlapName {
+    First,
+    Last,
+    Smallest,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AxisName {
+    X,
+    Y,
+    Z,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("a positive number is needed".to_owned()),
+    }
+}
+
+fn four_numbers(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|number| number.trim().parse::<f64>().ok().filter(|number| number.is_finite()))
+        .collect::<Option<_>>()
+        .ok_or("four numbers A,B,C,D are needed")?;
+    let plane: [f64; 4] = numbers.try_into().map_err(|_| "four numbers A,B,C,D are needed")?;
+    if plane[..3].iter().all(|&component| component == 0.0) {
+        return Err("the normal A,B,C must not be zero".to_owned());
+    }
+    Ok(plane)
+}

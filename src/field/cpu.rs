@@ -1,0 +1,181 @@
+//! The CPU backend: rayon over chunks of points, one point per vector lane.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::kernel;
+use super::packing::{PackedCell, pack};
+use super::{Field, Queries};
+use crate::arrangement::Arrangement;
+use crate::error::Result;
+use crate::label::Label;
+
+/// Points in one unit of parallel work.
+const CHUNK: usize = 64;
+
+/// The f32 backend on the CPU. A point's values depend on nothing but the
+/// point: neither on its lane nor on its neighbours or the threads.
+pub struct Cpu {
+    cells: Vec<PackedCell>,
+    instructions: Instructions,
+}
+
+/// The instruction sets that the kernel is compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Instructions {
+    /// Whatever every processor of this architecture has.
+    Baseline,
+    /// 256-bit vectors with fused multiply and add.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// 512-bit vectors.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+/// The part of a query that one thread takes: points in one cell, and where
+/// their values go.
+struct Job<'a> {
+    cell: &'a PackedCell,
+    points: &'a [DVec3],
+    values: &'a mut [f32],
+}
+
+impl Cpu {
+    /// The field of an arrangement, with |γ| no less than `clearance` (world
+    /// units).
+    ///
+    /// # Errors
+    /// As [`field::new`](super::new).
+    pub fn new(arrangement: &Arrangement, clearance: f64) -> Result<Self> {
+        Ok(Self { cells: pack(arrangement, clearance)?, instructions: Instructions::detect() })
+    }
+
+    /// The same with a given instruction set, which the processor must have.
+    #[cfg(test)]
+    pub(super) fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.instructions = instructions;
+        self
+    }
+
+    pub(super) fn cells(&self) -> &[PackedCell] {
+        &self.cells
+    }
+
+    /// The values of a few points of one cell.
+    pub(super) fn evaluate_in(&self, cell: u32, points: &[DVec3], values: &mut [f32]) {
+        Job { cell: &self.cells[cell as usize], points, values }.run(self.instructions);
+    }
+}
+
+impl Field for Cpu {
+    fn labels(&self, cell: u32) -> &[Label] {
+        &self.cells[cell as usize].labels
+    }
+
+    fn edges(&self, cell: u32) -> u64 {
+        self.cells[cell as usize].edges.len() as u64
+    }
+
+    fn name(&self) -> String {
+        let threads = rayon::current_num_threads();
+        format!("cpu ({:?}, threads: {threads})", self.instructions).to_lowercase()
+    }
+
+    fn evaluate(&self, queries: &Queries) -> Result<Vec<f32>> {
+        queries.check(self.cells.len())?;
+        let mut values = vec![0.0; value_count(&self.cells, queries)];
+        jobs(&self.cells, queries, &mut values)
+            .into_par_iter()
+            .for_each(|job| job.run(self.instructions));
+        Ok(values)
+    }
+}
+
+/// How many values a query asks for.
+pub(super) fn value_count(cells: &[PackedCell], queries: &Queries) -> usize {
+    queries.runs.iter().map(|run| run.points.len() * cells[run.cell as usize].labels.len()).sum()
+}
+
+fn jobs<'a>(
+    cells: &'a [PackedCell],
+    queries: &'a Queries,
+    mut values: &'a mut [f32],
+) -> Vec<Job<'a>> {
+    let mut jobs = Vec::new();
+    for run in &queries.runs {
+        let cell = &cells[run.cell as usize];
+        for points in queries.points[run.points.clone()].chunks(CHUNK) {
+            let (own, others) = values.split_at_mut(points.len() * cell.labels.len());
+            jobs.push(Job { cell, points, values: own });
+            values = others;
+        }
+    }
+    jobs
+}
+
+impl Instructions {
+    fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            let wide = is_x86_feature_detected!("avx512f");
+            return if wide { Self::Avx512 } else { Self::Avx2 };
+        }
+        Self::Baseline
+    }
+}
+
+impl Job<'_> {
+    fn run(self, instructions: Instructions) {
+        if self.cell.labels.len() == 1 {
+            self.values.fill(1.0);
+            return;
+        }
+        match instructions {
+            Instructions::Baseline => self.run_baseline(),
+            // SAFETY: `detect` found these instructions on this processor.
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 => unsafe { self.run_avx2() },
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx512 => unsafe { self.run_avx512() },
+        }
+    }
+
+    fn run_baseline(self) {
+        // 64-bit ARM always has a fused multiply and add.
+        self.run_lanes::<8, { cfg!(target_arch = "aarch64") }>();
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    fn run_avx2(self) {
+        self.run_lanes::<8, true>();
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx2,fma")]
+    fn run_avx512(self) {
+        self.run_lanes::<16, true>();
+    }
+
+    #[inline(always)]
+    fn run_lanes<const N: usize, const FMA: bool>(self) {
+        let labels = self.cell.labels.len();
+        let mut weights = vec![[0.0; N]; labels];
+        for (points, values) in self.points.chunks(N).zip(self.values.chunks_mut(N * labels)) {
+            kernel::weights::<N, FMA>(self.cell, points, &mut weights);
+            for (lane, values) in values.chunks_exact_mut(labels).enumerate() {
+                indicator(weights.iter().map(|weight| weight[lane]), values);
+            }
+        }
+    }
+}
+
+/// f_l = (2 W_l − W) / W, within [−1, 1] whatever the rounding.
+#[inline(always)]
+pub(super) fn indicator(weights: impl Iterator<Item = f32> + Clone, values: &mut [f32]) {
+    let total: f32 = weights.clone().sum();
+    for (value, weight) in values.iter_mut().zip(weights) {
+        *value = ((2.0 * weight - total) / total).clamp(-1.0, 1.0);
+    }
+}

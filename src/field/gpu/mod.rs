@@ -1,0 +1,245 @@
+//! The GPU backend: `shaders/field*.wgsl` through wgpu.
+//!
+//! Points go out in batches, each a dispatch well under a second, sorted by
+//! cell; raw weights come back and are normalised here. Some drivers end a
+//! dispatch without an error and hand back an empty or stale buffer
+//! (wgpu#5000), so the buffer is cleared before, where no weight sum can be
+//! zero after, and a few points of every batch are evaluated on the CPU too.
+
+use self::batch::{Batch, Limits, batches};
+use self::device::Connection;
+use self::layout::Tables;
+use super::cpu::{Cpu, indicator, value_count};
+use super::{Field, Queries};
+use crate::arrangement::Arrangement;
+use crate::error::{Error, Result};
+use crate::label::Label;
+
+mod batch;
+mod device;
+mod layout;
+
+pub use device::Adapter;
+
+/// The shader's parts in one module.
+const SHADER: &str = concat!(
+    include_str!("../../../shaders/field_types.wgsl"),
+    include_str!("../../../shaders/field_edge.wgsl"),
+    include_str!("../../../shaders/field.wgsl"),
+);
+
+/// The f32 backend on a GPU.
+pub struct Gpu {
+    /// The same cells, for spot checks.
+    cpu: Cpu,
+    connection: Connection,
+    pipeline: wgpu::ComputePipeline,
+    /// Cells, faces, chains and edges, in the order of the bindings.
+    tables: Vec<wgpu::Buffer>,
+    limits: Limits,
+}
+
+impl Gpu {
+    /// The field of an arrangement, with |γ| no less than `clearance` (world
+    /// units).
+    ///
+    /// # Errors
+    /// As [`field::new`](super::new); [`Error::Device`] when there is no such
+    /// adapter, or the arrangement does not fit into its memory.
+    pub fn new(arrangement: &Arrangement, clearance: f64, adapter: Adapter) -> Result<Self> {
+        let cpu = Cpu::new(arrangement, clearance)?;
+        let connection = Connection::open(adapter)?;
+        let pipeline = connection.pipeline("field", SHADER, "evaluate");
+        let tables = Tables::new(cpu.cells());
+        let tables = tables
+            .contents()
+            .into_iter()
+            .map(|bytes| connection.upload(bytes))
+            .collect::<Result<_>>()?;
+        connection.check()?;
+        let limits = Limits::of(&connection);
+        Ok(Self { cpu, connection, pipeline, tables, limits })
+    }
+
+    /// What the driver calls the device.
+    pub fn adapter_name(&self) -> &str {
+        self.connection.name()
+    }
+
+    /// Evaluates one batch into the values of the whole query.
+    fn run(&self, queries: &Queries, batch: &Batch, values: &mut [f32]) -> Result<()> {
+        let points = self.connection.upload(bytemuck::cast_slice(&batch.points))?;
+        let jobs = self.connection.upload(bytemuck::cast_slice(&batch.jobs))?;
+        let mut inputs: Vec<&wgpu::Buffer> = self.tables.iter().collect();
+        inputs.extend([&points, &jobs]);
+        let groups = batch.jobs.len() as u32;
+        let weights =
+            self.connection.dispatch(&self.pipeline, &inputs, groups, batch.value_count)?;
+        if !normalise(&weights, batch, values) {
+            return Err(self.garbage("an empty result"));
+        }
+        self.spot_check(queries, batch, values)
+    }
+
+    /// Compares a few points with the CPU. Right at a contour two correct
+    /// results can differ, so it takes a majority to complain.
+    fn spot_check(&self, queries: &Queries, batch: &Batch, values: &[f32]) -> Result<()> {
+        const PROBES: usize = 8;
+        const TOLERANCE: f32 = 0.01;
+        let step = batch.targets.len().div_ceil(PROBES);
+        let mut probes = 0;
+        let mut wrong = 0;
+        for target in batch.targets.iter().step_by(step.max(1)) {
+            let found = &values[target.value..target.value + target.labels];
+            let mut expected = vec![0.0; target.labels];
+            let point = target.point..target.point + 1;
+            self.cpu.evaluate_in(target.cell, &queries.points[point], &mut expected);
+            probes += 1;
+            wrong +=
+                usize::from(found.iter().zip(&expected).any(|(f, e)| (f - e).abs() > TOLERANCE));
+        }
+        if 2 * wrong > probes { Err(self.garbage("values unlike the CPU's")) } else { Ok(()) }
+    }
+
+    fn garbage(&self, what: &str) -> Error {
+        let name = self.adapter_name();
+        Error::Device(format!(
+            "{name} returned {what}; its driver may have ended the work early: use --device cpu"
+        ))
+    }
+}
+
+impl Field for Gpu {
+    fn labels(&self, cell: u32) -> &[Label] {
+        self.cpu.labels(cell)
+    }
+
+    fn edges(&self, cell: u32) -> u64 {
+        self.cpu.edges(cell)
+    }
+
+    fn name(&self) -> String {
+        format!("gpu ({})", self.adapter_name())
+    }
+
+    fn evaluate(&self, queries: &Queries) -> Result<Vec<f32>> {
+        queries.check(self.cpu.cells().len())?;
+        // Cells with a single label take part in no batch: f = 1 there.
+        let mut values = vec![1.0; value_count(self.cpu.cells(), queries)];
+        for batch in batches(self.cpu.cells(), queries, self.limits) {
+            self.run(queries, &batch, &mut values)?;
+        }
+        Ok(values)
+    }
+}
+
+/// f from W for all points of a batch; false when a sum W cannot be one.
+fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> bool {
+    for (job, target) in batch.jobs.iter().zip(&batch.targets) {
+        let count = job.points as usize * target.labels;
+        let first = job.first_value as usize;
+        let weights = weights[first..first + count].chunks_exact(target.labels);
+        let values = values[target.value..target.value + count].chunks_exact_mut(target.labels);
+        for (weights, values) in weights.zip(values) {
+            let total: f32 = weights.iter().sum();
+            if !(total.is_finite() && total > 0.0) {
+                return false;
+            }
+            indicator(weights.iter().copied(), values);
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::batch::{Batch, Limits, batches};
+    use super::normalise;
+    use crate::field::fixture::{Random, Stack, busy_stack};
+    use crate::field::packing::pack;
+    use crate::field::{Queries, Run};
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    /// Needs no GPU.
+    #[test]
+    fn shader_is_valid() {
+        let module = naga::front::wgsl::parse_str(super::SHADER)
+            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(super::SHADER)));
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(super::SHADER)));
+    }
+
+    /// What the host writes is what the shader reads.
+    #[test]
+    fn layouts_agree() {
+        use super::layout::{DeviceCell, DeviceFace, DeviceJob, DevicePoint};
+        use crate::field::packing::{Chain, PackedEdge};
+        let sizes = [
+            ("Cell", size_of::<DeviceCell>()),
+            ("Face", size_of::<DeviceFace>()),
+            ("Chain", size_of::<Chain>()),
+            ("Edge", size_of::<PackedEdge>()),
+            ("Point", size_of::<DevicePoint>()),
+            ("Job", size_of::<DeviceJob>()),
+        ];
+        let module = naga::front::wgsl::parse_str(super::SHADER).unwrap();
+        let context = module.to_ctx();
+        for (name, size) in sizes {
+            let (_, found) =
+                module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name)).unwrap();
+            assert_eq!(found.inner.size(context) as usize, size, "{name}");
+        }
+    }
+
+    fn stack_batches(limits: Limits) -> (Queries, Vec<Batch>) {
+        let mut random = Random(30);
+        let stack: Stack = busy_stack(&mut random, 3, 10);
+        let mut queries = stack.queries(&mut random, 1000);
+        queries.runs.push(Run { cell: 0, points: 2000..2000 });
+        let cells = pack(&stack.arrangement(), 1e-6).unwrap();
+        let batches = batches(&cells, &queries, limits).collect();
+        (queries, batches)
+    }
+
+    /// Every point is in one job, and no batch is over its limits.
+    #[test]
+    fn batches_cover_the_query() {
+        let generous = Limits { work: u64::MAX, groups: 65_535, bytes: 1 << 27 };
+        let (queries, whole) = stack_batches(generous);
+        assert_eq!(whole.len(), 1);
+        assert_eq!(whole[0].points.len(), queries.points.len());
+        for limits in [
+            Limits { groups: 3, ..generous },
+            Limits { work: 1, ..generous },
+            Limits { bytes: 1 << 14, ..generous },
+        ] {
+            let (_, batches) = stack_batches(limits);
+            assert!(batches.len() > 1);
+            assert!(batches.iter().all(|batch| batch.jobs.len() <= limits.groups));
+            let targets = batches.iter().flat_map(|batch| &batch.targets);
+            let jobs = batches.iter().flat_map(|batch| &batch.jobs);
+            let mut next = 0;
+            for (target, job) in targets.zip(jobs) {
+                assert_eq!((target.point, target.value), (next, 4 * next));
+                next += job.points as usize;
+            }
+            assert_eq!(next, queries.points.len());
+        }
+    }
+
+    /// A device that did nothing leaves zeros, which no point can have.
+    #[test]
+    fn empty_results_are_noticed() {
+        let (queries, batches) =
+            stack_batches(Limits { work: u64::MAX, groups: 65_535, bytes: 1 << 27 });
+        let mut values = vec![1.0; queries.points.len() * 4];
+        let mut weights = vec![0.5; batches[0].value_count];
+        assert!(normalise(&weights, &batches[0], &mut values));
+        assert!(values.iter().all(|&f| f == -0.5));
+        weights[4..8].fill(0.0);
+        assert!(!normalise(&weights, &batches[0], &mut values));
+        weights[4..8].fill(f32::NAN);
+        assert!(!normalise(&weights, &batches[0], &mut values));
+    }
+}

@@ -1,0 +1,140 @@
+//! The evaluation of one cell for a block of points, one point per lane.
+
+use glam::DVec3;
+
+use super::lanes::Lanes;
+use super::packing::{BORDER, Chain, Frame, PackedCell, PackedEdge, split};
+
+/// A block's feet on a plane.
+struct Feet<const N: usize, const FMA: bool> {
+    /// The parts on the grid.
+    coarse: [Lanes<N, FMA>; 2],
+    /// The remainders.
+    rest: [Lanes<N, FMA>; 2],
+    /// |γ|, clamped.
+    gamma: [f32; N],
+}
+
+/// A vertex as seen from a block's feet.
+#[derive(Clone, Copy)]
+struct Corner<const N: usize, const FMA: bool> {
+    p: [Lanes<N, FMA>; 2],
+    /// ‖p‖² + γ².
+    r_squared: Lanes<N, FMA>,
+    r: Lanes<N, FMA>,
+}
+
+/// W_l of every label l of a cell, up to a common factor, for up to `N`
+/// points; the lanes beyond them repeat the last one.
+#[inline(always)]
+pub(super) fn weights<const N: usize, const FMA: bool>(
+    cell: &PackedCell,
+    points: &[DVec3],
+    weights: &mut [[f32; N]],
+) {
+    let Some(last) = points.len().checked_sub(1) else { return };
+    let local: [DVec3; N] = std::array::from_fn(|lane| cell.localize(points[lane.min(last)]));
+    let axes = [0, 1, 2].map(|axis| local.map(|point| point[axis]));
+    weights.fill([0.0; N]);
+    for face in &cell.faces {
+        let feet = Feet::<N, FMA>::new(&face.frame, &axes, cell.clearance);
+        for chain in &cell.chains[face.first_chain as usize..face.end_chain as usize] {
+            let edges = &cell.edges[chain.first_edge as usize..chain.end_edge as usize];
+            let sum = feet.chain_sum(chain, edges);
+            // I = S / (2 |γ|); the 2 cancels in f.
+            let share: [f32; N] = std::array::from_fn(|lane| sum.0[lane] / feet.gamma[lane]);
+            add(&mut weights[chain.left as usize], &share, 1.0);
+            if chain.right != BORDER {
+                add(&mut weights[chain.right as usize], &share, -1.0);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add<const N: usize>(sum: &mut [f32; N], share: &[f32; N], sign: f32) {
+    for lane in 0..N {
+        sum[lane] += sign * share[lane];
+    }
+}
+
+impl<const N: usize, const FMA: bool> Feet<N, FMA> {
+    /// In f64: a cell can be thin, and γ is a small difference of large
+    /// numbers close to a plane.
+    #[inline(always)]
+    fn new(frame: &Frame, [x, y, z]: &[[f64; N]; 3], clearance: f32) -> Self {
+        let along = |direction: DVec3, offset: f64, lane: usize| {
+            direction.x * x[lane] + (direction.y * y[lane] + (direction.z * z[lane] + offset))
+        };
+        let [first, second] = frame.tangents;
+        let u: [_; N] = std::array::from_fn(|lane| split(along(first, 0.0, lane)));
+        let v: [_; N] = std::array::from_fn(|lane| split(along(second, 0.0, lane)));
+        let gamma = std::array::from_fn(|lane| {
+            (along(frame.normal, frame.offset, lane).abs() as f32).max(clearance)
+        });
+        Self {
+            coarse: [Lanes(u.map(|u| u.0)), Lanes(v.map(|v| v.0))],
+            rest: [Lanes(u.map(|u| u.1)), Lanes(v.map(|v| v.1))],
+            gamma,
+        }
+    }
+
+    #[inline(always)]
+    fn corner(&self, at: [f32; 2], rest: [f32; 2], gamma_squared: Lanes<N, FMA>) -> Corner<N, FMA> {
+        let p = [self.offset(0, at, rest), self.offset(1, at, rest)];
+        let r_squared = p[0].mul_add(p[0], p[1].mul_add(p[1], gamma_squared));
+        Corner { p, r_squared, r: r_squared.sqrt() }
+    }
+
+    /// One coordinate of a vertex relative to the feet.
+    #[inline(always)]
+    fn offset(&self, axis: usize, at: [f32; 2], rest: [f32; 2]) -> Lanes<N, FMA> {
+        let coarse = Lanes::splat(at[axis]) - self.coarse[axis];
+        coarse + (Lanes::splat(rest[axis]) - self.rest[axis])
+    }
+
+    /// Σ θ · cross(p, q) / c along a chain.
+    #[inline(always)]
+    fn chain_sum(&self, chain: &Chain, edges: &[PackedEdge]) -> Lanes<N, FMA> {
+        let gamma = Lanes(self.gamma);
+        let gamma_squared = gamma * gamma;
+        let mut start = self.corner(chain.start, chain.start_rest, gamma_squared);
+        let mut sum = Lanes::splat(0.0);
+        for edge in edges {
+            let end = self.corner(edge.end, edge.end_rest, gamma_squared);
+            sum = sum + edge_term(&start, &end, edge, gamma_squared);
+            start = end;
+        }
+        sum
+    }
+}
+
+/// θ · cross(p, q) / c for one edge.
+///
+/// With D = p·q + γ² = r_p r_q cos θ and c = r_p r_q sin θ, the tangent
+/// t = c / (r_p r_q + |D|) is that of θ/2, or of (π − θ)/2 where D < 0, and
+/// always in [0, 1]; no large numbers cancel in it. So θ/c is
+/// g = 2 (atan t / t) / (r_p r_q + |D|), or π/c − g where D < 0. Only there,
+/// where the edge is seen under more than a right angle, c itself is needed.
+#[inline(always)]
+fn edge_term<const N: usize, const FMA: bool>(
+    start: &Corner<N, FMA>,
+    end: &Corner<N, FMA>,
+    edge: &PackedEdge,
+    gamma_squared: Lanes<N, FMA>,
+) -> Lanes<N, FMA> {
+    let [dx, dy] = edge.span.map(Lanes::<N, FMA>::splat);
+    let [px, py] = start.p;
+    // cross(p, q) = cross(p, d) and p·q + γ² = r_p² + p·d, with d = q − p.
+    let cross = px * dy - py * dx;
+    let dot = px.mul_add(dx, py.mul_add(dy, start.r_squared));
+    let c_squared = cross.mul_add(cross, gamma_squared * Lanes::splat(edge.span_squared));
+    let inverse = start.r.mul_add(end.r, dot.map(f32::abs)).reciprocal();
+    let tangent_squared = (c_squared * inverse) * inverse;
+    let ratio = Lanes::splat(2.0) * tangent_squared.arctangent_ratio() * inverse;
+    if !dot.any_negative() {
+        return cross * ratio;
+    }
+    let supplement = Lanes::splat(std::f32::consts::PI) * c_squared.sqrt().reciprocal() - ratio;
+    cross * dot.if_negative(supplement, ratio)
+}

@@ -1,0 +1,317 @@
+//! Cells laid out for the f32 backends.
+//!
+//! Coordinates are local to the cell: its centre is the origin, and a power
+//! of two scales it into the unit cube. W is homogeneous, so f is not
+//! affected. A coordinate is split into a part on a grid and the remainder:
+//! differences of the parts on the grid are exact, so that p = q − foot keeps
+//! its *relative* accuracy however close the point is to a contour, where f
+//! changes quickly.
+//!
+//! The edges of a face that have the same labels left and right are joined
+//! into chains. Consecutive edges share p and r, and the sum along a chain
+//! stays in a register.
+
+use std::collections::BTreeMap;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec2, DVec3};
+
+use super::reference::slot;
+use super::{SMALLEST_CLEARANCE, checked_clearance};
+use crate::arrangement::{Arrangement, Cell, Face};
+use crate::error::Result;
+use crate::label::Label;
+use crate::plane::Bounds;
+
+/// The right side of an edge on its face's border.
+pub(super) const BORDER: u32 = u32::MAX;
+
+/// An edge q − p of a chain, without its start.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct PackedEdge {
+    /// q, the part on the grid.
+    pub end: [f32; 2],
+    /// q, the remainder.
+    pub end_rest: [f32; 2],
+    /// q − p, rounded once: for short edges this is far more accurate than a
+    /// difference of rounded ends.
+    pub span: [f32; 2],
+    /// ‖q − p‖².
+    pub span_squared: f32,
+    padding: f32,
+}
+
+/// Consecutive edges with the same labels on their sides.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Chain {
+    /// The first vertex, the part on the grid.
+    pub start: [f32; 2],
+    /// The first vertex, the remainder.
+    pub start_rest: [f32; 2],
+    /// The first edge, among the cell's.
+    pub first_edge: u32,
+    /// The edge after the last one.
+    pub end_edge: u32,
+    /// The label left of it, as an index into the cell's.
+    pub left: u32,
+    /// The label right of it, or [`BORDER`].
+    pub right: u32,
+}
+
+/// A face's plane, in the cell's coordinates: u = tangents · x, and
+/// γ = normal · x + offset.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    pub tangents: [DVec3; 2],
+    pub normal: DVec3,
+    pub offset: f64,
+}
+
+/// A face: chains `first_chain..end_chain` of the cell.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PackedFace {
+    pub frame: Frame,
+    pub first_chain: u32,
+    pub end_chain: u32,
+}
+
+/// A cell. One with a single label has no faces: nothing is to be evaluated.
+#[derive(Debug, Clone)]
+pub(super) struct PackedCell {
+    pub labels: Vec<Label>,
+    /// World units.
+    pub origin: DVec3,
+    /// Cell units per world unit.
+    pub scale: f64,
+    /// The smallest |γ|, in cell units.
+    pub clearance: f32,
+    pub faces: Vec<PackedFace>,
+    pub chains: Vec<Chain>,
+    pub edges: Vec<PackedEdge>,
+}
+
+/// All cells of an arrangement.
+pub(super) fn pack(arrangement: &Arrangement, clearance: f64) -> Result<Vec<PackedCell>> {
+    let clearance = checked_clearance(arrangement, clearance)?;
+    arrangement.cells().iter().map(|cell| PackedCell::new(arrangement, cell, clearance)).collect()
+}
+
+impl PackedCell {
+    fn new(arrangement: &Arrangement, cell: &Cell, clearance: f64) -> Result<Self> {
+        let faces = || cell.faces.iter().map(|&face| &arrangement.faces()[face as usize]);
+        let starts = faces().flat_map(|face| face.edges.iter().map(|edge| edge.start));
+        let (origin, scale) = Bounds::around(starts).map_or((DVec3::ZERO, 1.0), unit_cube);
+        let mut packed = Self {
+            labels: cell.labels.clone(),
+            origin,
+            scale,
+            clearance: (clearance * scale).max(SMALLEST_CLEARANCE) as f32,
+            faces: Vec::new(),
+            chains: Vec::new(),
+            edges: Vec::new(),
+        };
+        if cell.labels.len() > 1 {
+            for face in faces() {
+                packed.add_face(arrangement, face)?;
+            }
+        }
+        Ok(packed)
+    }
+
+    fn add_face(&mut self, arrangement: &Arrangement, face: &Face) -> Result<()> {
+        let plane = arrangement.planes()[face.plane as usize];
+        let frame = Frame {
+            tangents: plane.tangents(),
+            normal: plane.unit_normal(),
+            offset: plane.distance(self.origin) * self.scale,
+        };
+        let first_chain = self.chains.len() as u32;
+        for (sides, pieces) in pieces_by_sides(face, &self.labels)? {
+            for trail in trails(&pieces) {
+                self.add_chain(&frame, sides, &trail);
+            }
+        }
+        let end_chain = self.chains.len() as u32;
+        self.faces.push(PackedFace { frame, first_chain, end_chain });
+        Ok(())
+    }
+
+    fn add_chain(&mut self, frame: &Frame, [left, right]: [u32; 2], trail: &[Piece]) {
+        let Some(first) = trail.first() else { return };
+        let (start, start_rest) = split_point(self.flatten(frame, first.start));
+        let first_edge = self.edges.len() as u32;
+        let end_edge = first_edge + trail.len() as u32;
+        self.chains.push(Chain { start, start_rest, first_edge, end_edge, left, right });
+        for piece in trail {
+            let end = self.flatten(frame, piece.end);
+            let span = end - self.flatten(frame, piece.start);
+            let (end, end_rest) = split_point(end);
+            self.edges.push(PackedEdge {
+                end,
+                end_rest,
+                span: span.as_vec2().to_array(),
+                span_squared: span.length_squared() as f32,
+                padding: 0.0,
+            });
+        }
+    }
+
+    /// A point on a face, in the face's frame.
+    fn flatten(&self, frame: &Frame, point: DVec3) -> DVec2 {
+        let local = self.localize(point);
+        DVec2::new(frame.tangents[0].dot(local), frame.tangents[1].dot(local))
+    }
+
+    /// A point in the cell's coordinates.
+    pub fn localize(&self, point: DVec3) -> DVec3 {
+        (point - self.origin) * self.scale
+    }
+}
+
+/// The centre of some bounds and the power of two that shrinks them into a
+/// cube of side one.
+fn unit_cube(bounds: Bounds) -> (DVec3, f64) {
+    let centre = (bounds.min + bounds.max) / 2.0;
+    let side = bounds.size().max_element();
+    let scale = if side > 0.0 { (-side.log2().ceil()).exp2() } else { 1.0 };
+    (centre, scale)
+}
+
+/// A coordinate of magnitude one at most, rounded to a grid of 2⁻²⁴, and the
+/// remainder. Adding and subtracting 1.5 · 2²⁸ rounds to its unit in the last
+/// place.
+#[inline(always)]
+pub(super) fn split(value: f64) -> (f32, f32) {
+    const ROUND: f64 = 1.5 * (1u64 << 28) as f64;
+    let coarse = (value + ROUND) - ROUND;
+    (coarse as f32, (value - coarse) as f32)
+}
+
+fn split_point(point: DVec2) -> ([f32; 2], [f32; 2]) {
+    let ((u, u_rest), (v, v_rest)) = (split(point.x), split(point.y));
+    ([u, v], [u_rest, v_rest])
+}
+
+/// A directed piece of a border between two labels.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    start: DVec3,
+    end: DVec3,
+}
+
+/// A face's edges by the labels on their sides, the smaller one on the left;
+/// edges without length left out.
+fn pieces_by_sides(face: &Face, labels: &[Label]) -> Result<BTreeMap<[u32; 2], Vec<Piece>>> {
+    let mut groups: BTreeMap<[u32; 2], Vec<Piece>> = BTreeMap::new();
+    for edge in face.edges.iter().filter(|edge| edge.start != edge.end) {
+        let left = slot(labels, edge.left)? as u32;
+        let right = match edge.right {
+            Some(label) => slot(labels, label)? as u32,
+            None => BORDER,
+        };
+        if left < right {
+            let piece = Piece { start: edge.start, end: edge.end };
+            groups.entry([left, right]).or_default().push(piece);
+        } else if right < left {
+            let piece = Piece { start: edge.end, end: edge.start };
+            groups.entry([right, left]).or_default().push(piece);
+        }
+    }
+    Ok(groups)
+}
+
+/// The bits of a point: equal points of a plane are bitwise equal.
+fn key(point: DVec3) -> [u64; 3] {
+    point.to_array().map(f64::to_bits)
+}
+
+/// Pieces in sequences in which each one starts where the last one ends. Open
+/// sequences begin where no other piece arrives.
+fn trails(pieces: &[Piece]) -> Vec<Vec<Piece>> {
+    let mut leaving: BTreeMap<[u64; 3], Vec<usize>> = BTreeMap::new();
+    let mut arriving: BTreeMap<[u64; 3], usize> = BTreeMap::new();
+    for (index, piece) in pieces.iter().enumerate().rev() {
+        leaving.entry(key(piece.start)).or_default().push(index);
+        *arriving.entry(key(piece.end)).or_default() += 1;
+    }
+    let (inner, open): (Vec<usize>, Vec<usize>) =
+        (0..pieces.len()).partition(|&index| arriving.contains_key(&key(pieces[index].start)));
+
+    let mut used = vec![false; pieces.len()];
+    let mut trails = Vec::new();
+    for first in open.into_iter().chain(inner) {
+        let mut trail = Vec::new();
+        let mut next = Some(first).filter(|&index| !used[index]);
+        while let Some(index) = next {
+            used[index] = true;
+            trail.push(pieces[index]);
+            let others = leaving.get_mut(&key(pieces[index].end));
+            next = others.and_then(|others| take_unused(others, &used));
+        }
+        if !trail.is_empty() {
+            trails.push(trail);
+        }
+    }
+    trails
+}
+
+fn take_unused(candidates: &mut Vec<usize>, used: &[bool]) -> Option<usize> {
+    while let Some(index) = candidates.pop() {
+        if !used[index] {
+            return Some(index);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece(start: (f64, f64), end: (f64, f64)) -> Piece {
+        let lift = |(x, y)| DVec3::new(x, y, 0.0);
+        Piece { start: lift(start), end: lift(end) }
+    }
+
+    fn lengths(pieces: &[Piece]) -> Vec<usize> {
+        let trails = trails(pieces);
+        for trail in &trails {
+            for pair in trail.windows(2) {
+                assert_eq!(pair[0].end, pair[1].start);
+            }
+        }
+        trails.iter().map(Vec::len).collect()
+    }
+
+    /// Two triangles that share a corner: one trail, or two, but every piece.
+    #[test]
+    fn closed_loops_become_trails() {
+        let [o, a, b, c, d] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (-1.0, 0.0), (-1.0, -1.0)];
+        let triangle = [piece(o, a), piece(a, b), piece(b, o)];
+        assert_eq!(lengths(&triangle), [3]);
+        let both = [triangle.to_vec(), vec![piece(o, c), piece(c, d), piece(d, o)]].concat();
+        assert_eq!(lengths(&both).iter().sum::<usize>(), 6);
+    }
+
+    /// A path given in the wrong order is still one trail, from its beginning.
+    #[test]
+    fn open_paths_start_at_their_beginning() {
+        let [a, b, c, d] = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (3.0, 1.0)];
+        let path = [piece(b, c), piece(c, d), piece(a, b)];
+        assert_eq!(lengths(&path), [3]);
+        assert_eq!(key(trails(&path)[0][0].start), key(DVec3::ZERO));
+    }
+
+    #[test]
+    fn split_loses_nothing_that_f32_could_keep() {
+        for value in [0.0, 0.1, -0.7, 0.999_999, 1e-9, -3.3e-5] {
+            let (coarse, rest) = split(value);
+            let error = (f64::from(coarse) + f64::from(rest) - value).abs();
+            assert!(error < 4e-15, "{value}: {error:e}");
+            let steps = f64::from(coarse) * f64::from(1 << 24);
+            assert_eq!(steps, steps.round(), "{value} off the grid");
+        }
+    }
+}

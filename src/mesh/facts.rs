@@ -1,0 +1,157 @@
+//! What a surface is like: closed, how large, of which genus.
+
+use serde::Serialize;
+
+use super::Surface;
+use super::nearest::flat;
+use crate::error::{Error, Result};
+use crate::ffi::measure::{self, Component};
+
+/// What CGAL's Polygon_mesh_processing says about a surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Facts {
+    /// Whether every edge has exactly two triangles, which pass it in
+    /// opposite directions.
+    pub closed: bool,
+    /// Whether the surface is closed and its inside lies behind its triangles
+    /// everywhere: every piece that encloses a negative volume is a cavity in
+    /// the box of one that encloses a larger positive one.
+    pub outward: bool,
+    /// Cubic world units; what cavities enclose is not counted.
+    pub volume: f64,
+    /// Square world units.
+    pub area: f64,
+    /// Connected pieces, cavities included.
+    pub components: usize,
+    /// Pieces that enclose a cavity.
+    pub cavities: usize,
+    /// Handles of all pieces together: for each 1 − (V − E + F) / 2. Of no
+    /// meaning for a surface that is not closed.
+    pub genus: i64,
+    /// Triangles of the surface.
+    pub triangles: usize,
+    /// Pairs of triangles that intersect other than in what they share, when
+    /// that was asked for.
+    pub self_intersections: Option<u64>,
+}
+
+impl Surface {
+    /// Measures the surface. Counting self-intersections takes some seconds
+    /// for a million triangles.
+    pub fn facts(&self, self_intersections: bool) -> Result<Facts> {
+        let error = |exception| Error::library("measure", &exception);
+        let points = flat(&self.vertices);
+        let corners = self.triangles.as_flattened();
+        let facts = measure::measure(&points, corners).map_err(error)?;
+        let pieces = &facts.components;
+        let intersections = self_intersections
+            .then(|| measure::count_self_intersections(&points, corners).map_err(error));
+        Ok(Facts {
+            closed: facts.closed,
+            outward: facts.closed && pieces.iter().all(|piece| faces_outward(piece, pieces)),
+            volume: pieces.iter().map(|piece| piece.volume).sum(),
+            area: facts.area,
+            components: pieces.len(),
+            cavities: pieces.iter().filter(|piece| piece.volume < 0.0).count(),
+            genus: pieces.iter().map(|piece| 1 - piece.euler / 2).sum(),
+            triangles: self.triangles.len(),
+            self_intersections: intersections.transpose()?,
+        })
+    }
+}
+
+fn faces_outward(piece: &Component, pieces: &[Component]) -> bool {
+    let within = |outer: &Component| {
+        (0..3).all(|axis| outer.min[axis] <= piece.min[axis] && piece.max[axis] <= outer.max[axis])
+    };
+    piece.volume >= 0.0 || pieces.iter().any(|outer| outer.volume > -piece.volume && within(outer))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::label::Label;
+    use crate::mesh::shapes::solid;
+
+    fn facts(distance: impl Fn(DVec3) -> f64) -> Facts {
+        solid(61, 1.0, distance).surface(Label(1)).facts(true).unwrap()
+    }
+
+    #[test]
+    fn a_ball() {
+        let facts = facts(|point| 0.8 - point.length());
+        assert!(facts.closed && facts.outward);
+        assert_eq!((facts.components, facts.cavities, facts.genus), (1, 0, 0));
+        assert_eq!(facts.self_intersections, Some(0));
+        assert!((facts.volume / (4.0 / 3.0 * PI * 0.8f64.powi(3)) - 1.0).abs() < 3e-3);
+        assert!((facts.area / (4.0 * PI * 0.64) - 1.0).abs() < 3e-3);
+    }
+
+    #[test]
+    fn a_torus_has_a_handle() {
+        let (major, minor) = (0.6, 0.25);
+        let facts =
+            facts(|point| minor - DVec2::new(point.truncate().length() - major, point.z).length());
+        assert!(facts.closed && facts.outward);
+        assert_eq!((facts.components, facts.genus), (1, 1));
+        assert!((facts.volume / (2.0 * PI * PI * major * minor * minor) - 1.0).abs() < 1e-2);
+        assert!((facts.area / (4.0 * PI * PI * major * minor) - 1.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_shell_has_a_cavity() {
+        let facts = facts(|point| 0.2 - (point.length() - 0.6).abs());
+        assert!(facts.closed && facts.outward);
+        assert_eq!((facts.components, facts.cavities, facts.genus), (2, 1, 0));
+        let exact = 4.0 / 3.0 * PI * (0.8f64.powi(3) - 0.4f64.powi(3));
+        assert!((facts.volume / exact - 1.0).abs() < 3e-3);
+    }
+
+    #[test]
+    fn two_balls_that_touch_are_closed() {
+        let balls = |point: DVec3| {
+            let [left, right] = [-0.4, 0.4].map(|x| 0.4 - (point - DVec3::X * x).length());
+            left.max(right)
+        };
+        let facts = facts(balls);
+        assert!(facts.closed && facts.outward);
+        assert_eq!(facts.genus, 0);
+        assert!((facts.volume / (8.0 / 3.0 * PI * 0.4f64.powi(3)) - 1.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_surface_turned_inside_out_does_not_face_outward() {
+        let mut surface = solid(31, 1.0, |point| 0.8 - point.length()).surface(Label(1));
+        surface.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+        let facts = surface.facts(false).unwrap();
+        assert!(facts.closed && !facts.outward);
+    }
+
+    #[test]
+    fn a_hole_and_a_doubled_triangle_are_not_closed() {
+        let mut surface = solid(31, 1.0, |point| 0.8 - point.length()).surface(Label(1));
+        let last = surface.triangles.pop().unwrap();
+        assert!(!surface.facts(false).unwrap().closed);
+        surface.triangles.extend([last, last]);
+        assert!(!surface.facts(false).unwrap().closed);
+    }
+
+    #[test]
+    fn crossing_triangles_are_counted() {
+        // Two tetrahedra: one has its tip in the other.
+        let tetrahedron = |at: f64| [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| p + at);
+        let corners = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
+        let vertices = [tetrahedron(0.0), tetrahedron(0.1)].concat();
+        let second = corners.map(|triangle| triangle.map(|corner| corner + 4));
+        let surface = Surface { vertices, triangles: [corners, second].concat() };
+        let facts = surface.facts(true).unwrap();
+        assert!(facts.closed && facts.outward);
+        // The slanted face of the first meets the three other faces of the
+        // second.
+        assert_eq!(facts.self_intersections, Some(3));
+    }
+}

@@ -1,0 +1,19 @@
+//! What the integration tests share.
+
+use std::path::{Path, PathBuf};
+
+/// A file of real data, in the folder that `TRANSECT_DATA` names; says so when
+/// it is absent.
+pub fn data(name: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("TRANSECT_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
+        PathBuf::from,
+    );
+    let path = folder.join(name);
+    if path.exists() {
+        Some(path)
+    } else {
+        println!("skipped: {} is absent", path.display());
+        None
+    }
+}
