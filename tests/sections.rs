@@ -74,7 +74,7 @@ const BAD: &[(&str, &[&str])] = &[
         "overlap.csl",
         &["section 12 (line 3)", "loops 0 (label 1) and 1 (label 2) overlap", "near ["],
     ),
-    ("coincident.csl", &["section 3 (line 10)", "plane of section 1", "5.000e-1", "near ["]),
+    ("coincident.csl", &["section 3 (line 10)", "plane of section 1", "2.500e-1", "near ["]),
     ("contradiction.contour", &["section 1 (line 2)", "contradictory labels around vertex"]),
     ("dangling.contour", &["section 1 (line 2)", "contradictory labels around vertex"]),
     ("index.contour", &["section 1, line 19", "index 7 is out of range", "7 vertices"]),
