@@ -1,3 +1,17 @@
 //! The grid: the field sampled sparsely in an OpenVDB tree.
+//!
+//! ```text
+//! lattice ─► contour (voxels that contours pass) ─► sampling ─► samples ─► smoothing ─► samples
+//!                                                                mesh ─► distance (level sets)
+//! ```
 
+pub mod contour;
+pub mod distance;
+mod invariant;
+pub mod lattice;
+mod locate;
+pub mod memory;
 pub mod samples;
+pub mod sampling;
+pub mod smoothing;
+mod winding;

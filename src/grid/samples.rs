@@ -98,3 +98,28 @@ pub struct Samples {
     /// x slowest, z fastest.
     pub tiles: Vec<Label>,
 }
+
+impl Samples {
+    /// The leaf at `at`, where it has values of its own.
+    pub fn leaf(&self, at: [i32; 3]) -> Option<&Leaf> {
+        self.leaves.binary_search_by_key(&at, |leaf| leaf.at).ok().map(|index| &self.leaves[index])
+    }
+
+    /// The materials that occur, sorted.
+    pub fn materials(&self) -> Vec<Label> {
+        let valued = self.leaves.iter().flat_map(|leaf| &leaf.materials).map(|own| own.label);
+        let mut labels: Vec<Label> =
+            valued.chain(self.tiles.iter().copied()).filter(|label| label.is_material()).collect();
+        labels.sort_unstable();
+        labels.dedup();
+        labels
+    }
+
+    /// Whether everything that the type promises holds.
+    ///
+    /// # Errors
+    /// What does not, and where.
+    pub fn sanity_check(&self) -> std::result::Result<(), String> {
+        super::invariant::check(self)
+    }
+}

@@ -4,6 +4,7 @@ pub mod contour;
 pub mod csl;
 pub mod json;
 mod text;
+pub mod vdb;
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,186 @@
+//! Signed distances to a closed mesh near its surface: the values of a level
+//! set. OpenVDB's own conversion fills closed cavities and breaks ties by
+//! whichever thread comes first; this one does neither.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::label::Label;
+use crate::mesh::Mesh;
+
+use super::invariant::node_index;
+use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
+use super::winding::Columns;
+
+mod triangle;
+
+use triangle::Triangle;
+
+/// How many voxels a level set reaches from its surface on either side: what
+/// OpenVDB's tools expect.
+pub const HALF_WIDTH: f64 = 3.0;
+const SIDE: i32 = LEAF_SIDE as i32;
+
+/// Signed distances near a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NarrowBand {
+    /// Leaves with a node nearer than [`HALF_WIDTH`] voxels, sorted; also
+    /// some beyond the lattice, where the surface is near its border.
+    pub leaves: Vec<[i32; 3]>,
+    /// 512 values a leaf, in voxels, negative inside, cut off at
+    /// ±[`HALF_WIDTH`].
+    pub values: Vec<f32>,
+}
+
+/// The triangles around the union of some labels, oriented outward.
+pub fn boundary_of(mesh: &Mesh, within: impl Fn(Label) -> bool) -> Vec<[u32; 3]> {
+    let pick = |(&[a, b, c], &[back, front]): (&[u32; 3], &[Label; 2])| match [
+        within(back),
+        within(front),
+    ] {
+        [true, false] => Some([a, b, c]),
+        [false, true] => Some([a, c, b]),
+        _ => None,
+    };
+    mesh.triangles.iter().zip(&mesh.sides).filter_map(pick).collect()
+}
+
+/// The band around a closed mesh, on the nodes of a lattice.
+pub fn narrow_band(lattice: &Lattice, vertices: &[DVec3], triangles: &[[u32; 3]]) -> NarrowBand {
+    let vertices: Vec<DVec3> =
+        vertices.par_iter().map(|&vertex| (vertex - lattice.origin) / lattice.voxel).collect();
+    let columns = Columns::new(&vertices, triangles);
+    let bins = Bins::new(&vertices, triangles);
+    let leaf = |at| band_leaf(&bins, &columns, at).map(|values| (at, values));
+    let found: Vec<([i32; 3], Vec<f32>)> =
+        bins.neighborhood().into_par_iter().filter_map(leaf).collect();
+    let leaves = found.iter().map(|(at, _)| *at).collect();
+    let values = found.into_iter().flat_map(|(_, values)| values).collect();
+    NarrowBand { leaves, values }
+}
+
+/// The values of a leaf, unless none is in the band.
+fn band_leaf(bins: &Bins, columns: &Columns, at: [i32; 3]) -> Option<Vec<f32>> {
+    let mut squares = [(HALF_WIDTH * HALF_WIDTH) as f32; LEAF_NODES];
+    for triangle in bins.near(at) {
+        nearest(&Triangle::new(triangle.map(|vertex| vertex - first_node(at))), &mut squares);
+    }
+    let beyond = (HALF_WIDTH * HALF_WIDTH) as f32;
+    if squares.iter().all(|&square| square >= beyond) {
+        return None;
+    }
+    let mut values = squares.map(f32::sqrt).to_vec();
+    for column in 0..LEAF_SIDE * LEAF_SIDE {
+        let [x, y] = [column / LEAF_SIDE, column % LEAF_SIDE];
+        let mut inside = [false; LEAF_SIDE];
+        let place = [at[0] * SIDE + x as i32, at[1] * SIDE + y as i32];
+        columns.fill(place, at[2] * SIDE, &mut inside);
+        for (z, _) in inside.iter().enumerate().filter(|(_, inside)| **inside) {
+            let value = &mut values[node_index([x, y, z])];
+            *value = -*value;
+        }
+    }
+    Some(values)
+}
+
+/// Lowers squared distances to those from a triangle, where it is near.
+fn nearest(triangle: &Triangle, squares: &mut [f32; LEAF_NODES]) {
+    let nodes = |axis: usize| -> Range<usize> {
+        let reach = HALF_WIDTH as f32;
+        let from = (triangle.min[axis] - reach).ceil().clamp(0.0, LEAF_SIDE as f32) as usize;
+        let to = (triangle.max[axis] + reach).floor().clamp(-1.0, LEAF_SIDE as f32 - 1.0);
+        from..(to + 1.0) as usize
+    };
+    if nodes(2).is_empty() {
+        return;
+    }
+    for x in nodes(0) {
+        for y in nodes(1) {
+            let start = node_index([x, y, 0]);
+            let row = &mut squares[start..start + LEAF_SIDE];
+            triangle.lower_row([x as f32, y as f32], row);
+        }
+    }
+}
+
+fn first_node(at: [i32; 3]) -> DVec3 {
+    DVec3::from(at.map(|at| f64::from(at * SIDE)))
+}
+
+/// Triangles by the leaves that their boxes overlap.
+struct Bins<'a> {
+    vertices: &'a [DVec3],
+    triangles: &'a [[u32; 3]],
+    /// Leaf and triangle, sorted.
+    entries: Vec<([i32; 3], u32)>,
+    /// Distinct leaves, sorted, each with the range of its entries.
+    leaves: Vec<([i32; 3], Range<usize>)>,
+}
+
+impl<'a> Bins<'a> {
+    fn new(vertices: &'a [DVec3], triangles: &'a [[u32; 3]]) -> Self {
+        let mut entries: Vec<([i32; 3], u32)> = triangles
+            .par_iter()
+            .enumerate()
+            .flat_map_iter(|(index, triangle)| {
+                let [from, to] = leaf_range(triangle.map(|vertex| vertices[vertex as usize]));
+                let leaves = (from[0]..=to[0]).flat_map(move |x| {
+                    (from[1]..=to[1]).flat_map(move |y| (from[2]..=to[2]).map(move |z| [x, y, z]))
+                });
+                leaves.map(move |leaf| (leaf, index as u32))
+            })
+            .collect();
+        entries.par_sort_unstable();
+        let mut end = 0;
+        let leaves = entries
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|chunk| {
+                let range = end..end + chunk.len();
+                end = range.end;
+                (chunk[0].0, range)
+            })
+            .collect();
+        Self { vertices, triangles, entries, leaves }
+    }
+
+    /// All leaves in or next to which there are triangles, sorted.
+    fn neighborhood(&self) -> Vec<[i32; 3]> {
+        let around = |&(at, _): &([i32; 3], Range<usize>)| around(at);
+        let mut leaves: Vec<[i32; 3]> = self.leaves.par_iter().flat_map_iter(around).collect();
+        leaves.par_sort_unstable();
+        leaves.dedup();
+        leaves
+    }
+
+    /// The triangles in a leaf and the leaves around it, each once.
+    fn near(&self, at: [i32; 3]) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        let bin = |leaf: [i32; 3]| self.leaves.binary_search_by_key(&leaf, |bin| bin.0).ok();
+        let entries =
+            around(at).filter_map(bin).flat_map(|bin| &self.entries[self.leaves[bin].1.clone()]);
+        entries.filter_map(move |&(leaf, triangle)| {
+            let corners = self.triangles[triangle as usize].map(|v| self.vertices[v as usize]);
+            let [from, to] = leaf_range(corners);
+            // Of all leaves that hold it, the nearest one.
+            let first = std::array::from_fn(|axis| at[axis].clamp(from[axis], to[axis]));
+            (leaf == first).then_some(corners)
+        })
+    }
+}
+
+/// The 27 leaves around and with a leaf.
+fn around(at: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+    let step = |index: i32| [index / 9 - 1, index / 3 % 3 - 1, index % 3 - 1];
+    (0..27).map(move |index| std::array::from_fn(|axis| at[axis] + step(index)[axis]))
+}
+
+/// The first and the last leaf that a triangle's box overlaps.
+fn leaf_range(corners: [DVec3; 3]) -> [[i32; 3]; 2] {
+    let leaf = |point: DVec3| (point / f64::from(SIDE)).floor().to_array().map(|at| at as i32);
+    let [a, b, c] = corners;
+    [leaf(a.min(b).min(c)), leaf(a.max(b).max(c))]
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

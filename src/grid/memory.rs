@@ -1,0 +1,192 @@
+//! What a grid would take, and what there is, before the work begins.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::plane::{Bounds, Plane};
+use crate::section::Section;
+
+use super::contour::segments;
+use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
+
+/// A tile's label and whether its leaf is evaluated.
+const BYTES_PER_TILE: u64 = 5;
+/// Besides its values, what a leaf brings along in the stages that follow:
+/// the mesh with its connectivity and the level set.
+const BYTES_PER_LEAF: u64 = 24 << 10;
+/// Copies of a leaf's values: sampled, in the tree, and being smoothed.
+const COPIES: u64 = 3;
+/// Leaves that a surface takes for each leaf face of its area. A plane of any
+/// direction cuts 1.5 cubes per unit of area on average; following it takes
+/// in neighbours.
+const LEAVES_PER_FACE: f64 = 3.0;
+
+/// Bytes that sampling and what follows would take at their peak, by a rough
+/// estimate: the tiles exactly, the leaves from the length of the contours.
+pub fn estimate_memory(lattice: &Lattice, sections: &[Section], materials: usize) -> u64 {
+    let tiles = lattice.leaf_count();
+    let side = lattice.voxel * LEAF_SIDE as f64;
+    let faces = surface_area(lattice, sections) / (side * side);
+    let leaves = ((LEAVES_PER_FACE * faces) as u64).min(tiles); // the cast saturates
+    // Rarely more than two materials meet in a leaf.
+    let values = COPIES * materials.clamp(1, 2) as u64 * (LEAF_NODES * size_of::<f32>()) as u64;
+    let leaves = leaves.saturating_mul(values + BYTES_PER_LEAF);
+    tiles.saturating_mul(BYTES_PER_TILE).saturating_add(leaves)
+}
+
+/// Refuses a grid that would not fit.
+///
+/// # Errors
+/// [`Error::Memory`] says how much it would take.
+pub fn require_memory(lattice: &Lattice, sections: &[Section], materials: usize) -> Result<()> {
+    let needed = estimate_memory(lattice, sections, materials);
+    let available = available_memory();
+    if needed <= available {
+        return Ok(());
+    }
+    let [x, y, z] = lattice.dims;
+    Err(Error::Memory {
+        what: format!("a grid of {x} × {y} × {z} nodes"),
+        needed,
+        available,
+        hint: "use a lower --resolution or a larger --voxel-size".to_owned(),
+    })
+}
+
+/// The area of all surfaces, from the length of the contours: for planes in
+/// general position the area in a volume V is 4/π · V · length / area of the
+/// planes (stereology's S_V = 4/π · L_A).
+fn surface_area(lattice: &Lattice, sections: &[Section]) -> f64 {
+    let last = lattice.dims.map(|nodes| nodes - 1);
+    let bounds = Bounds { min: lattice.origin, max: lattice.position(last) };
+    let length: f64 =
+        sections.iter().flat_map(segments).map(|[start, end]| start.distance(end)).sum();
+    let area: f64 = sections.iter().map(|section| area_in_box(section.plane(), bounds)).sum();
+    // Sections without any area in the box: a layer of one voxel each.
+    let per_area = if area > 0.0 { length / area } else { 0.0 };
+    4.0 / std::f64::consts::PI * bounds.volume() * per_area
+}
+
+/// The area of a plane's part in a box.
+fn area_in_box(plane: &Plane, bounds: Bounds) -> f64 {
+    let center = (bounds.min + bounds.max) / 2.0;
+    let [first, second] = plane.tangents();
+    let origin = center - plane.distance(center) * plane.unit_normal();
+    let reach = 2.0 * bounds.diagonal();
+    let corner = |[a, b]: [f64; 2]| origin + reach * (a * first + b * second);
+    let mut polygon: Vec<DVec3> =
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner).to_vec();
+    for axis in 0..3 {
+        polygon = clipped(&polygon, |point| point[axis] - bounds.min[axis]);
+        polygon = clipped(&polygon, |point| bounds.max[axis] - point[axis]);
+    }
+    let fan = polygon.windows(2).map(|pair| (pair[0] - polygon[0]).cross(pair[1] - polygon[0]));
+    fan.sum::<DVec3>().length() / 2.0
+}
+
+/// The part of a convex polygon where `inside` is not negative.
+fn clipped(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (index, &from) in polygon.iter().enumerate() {
+        let to = polygon[(index + 1) % polygon.len()];
+        let [at_from, at_to] = [inside(from), inside(to)];
+        if at_from >= 0.0 {
+            kept.push(from);
+        }
+        if (at_from >= 0.0) != (at_to >= 0.0) {
+            kept.push(from.lerp(to, at_from / (at_from - at_to)));
+        }
+    }
+    kept
+}
+
+/// Bytes that can still be had: what the system has, within the limits of
+/// the control groups that this process is in.
+pub fn available_memory() -> u64 {
+    let mut system = sysinfo::System::new();
+    system.refresh_memory();
+    group_folders()
+        .iter()
+        .filter_map(|folder| left_in_group(folder))
+        .fold(system.available_memory(), u64::min)
+}
+
+/// Where Linux shows the control groups (version 1 and 2) that limit this
+/// process, with all their parents; empty elsewhere.
+fn group_folders() -> Vec<PathBuf> {
+    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    groups
+        .lines()
+        .filter_map(|line| {
+            let mut fields = line.splitn(3, ':').skip(1);
+            let (controllers, path) = (fields.next()?, fields.next()?);
+            let root = match controllers {
+                "" => Path::new("/sys/fs/cgroup"),
+                "memory" => Path::new("/sys/fs/cgroup/memory"),
+                _ => return None,
+            };
+            let group = root.join(path.trim_start_matches('/'));
+            let within = |folder: &&Path| folder.starts_with(root);
+            Some(group.ancestors().take_while(within).map(Path::to_owned).collect::<Vec<_>>())
+        })
+        .flatten()
+        .collect()
+}
+
+/// What a control group may still use; file cache that can be dropped counts
+/// as free.
+fn left_in_group(folder: &Path) -> Option<u64> {
+    let number = |name: &str| -> Option<u64> {
+        std::fs::read_to_string(folder.join(name)).ok()?.trim().parse().ok()
+    };
+    let limit = number("memory.max").or_else(|| number("memory.limit_in_bytes"))?;
+    let used = number("memory.current").or_else(|| number("memory.usage_in_bytes"))?;
+    let statistics = std::fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
+    let cache = statistics
+        .lines()
+        .filter_map(|line| line.split_once(' '))
+        .find(|(name, _)| *name == "inactive_file" || *name == "total_inactive_file")
+        .and_then(|(_, bytes)| bytes.parse().ok())
+        .unwrap_or(0);
+    Some(limit.saturating_sub(used.saturating_sub(cache)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::lattice::Resolution;
+
+    const UNIT: Bounds = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
+
+    #[test]
+    fn planes_are_cut_to_the_box() {
+        let area = |normal, offset| area_in_box(&Plane { normal, offset }, UNIT);
+        assert!((area(DVec3::new(0.0, 0.0, 2.0), 1.0) - 1.0).abs() < 1e-12);
+        // The regular hexagon with side √½, and the triangle with side √½.
+        assert!((area(DVec3::ONE, 1.5) - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12);
+        assert!((area(DVec3::ONE, 0.5) - 3.0_f64.sqrt() / 8.0).abs() < 1e-12);
+        assert_eq!(area(DVec3::X, 2.0), 0.0);
+    }
+
+    #[test]
+    fn huge_grids_are_refused_at_once() {
+        for voxels in [100_000, 1_000_000] {
+            let lattice = Lattice::new(UNIT, Resolution::Voxels(voxels)).unwrap();
+            let error = require_memory(&lattice, &[], 1).unwrap_err();
+            let tiles = f64::from(voxels / 8).powi(3) * BYTES_PER_TILE as f64;
+            let Error::Memory { needed, .. } = error else { panic!("{error}") };
+            assert!(needed as f64 >= tiles);
+        }
+        let lattice = Lattice { origin: DVec3::ZERO, voxel: 1.0, dims: [i32::MAX - 16; 3] };
+        assert_eq!(estimate_memory(&lattice, &[], 1), u64::MAX);
+    }
+
+    #[test]
+    fn modest_grids_fit() {
+        let lattice = Lattice::new(UNIT, Resolution::Voxels(64)).unwrap();
+        require_memory(&lattice, &[], 9).unwrap();
+        assert!(available_memory() > 1 << 20);
+    }
+}

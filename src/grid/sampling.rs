@@ -1,0 +1,208 @@
+//! Evaluates the field near the surface: from the contours and a coarse
+//! lattice on, following changes of label from leaf to leaf.
+
+use rayon::prelude::*;
+
+use crate::arrangement::Arrangement;
+use crate::error::Result;
+use crate::field::Field;
+use crate::label::Label;
+use crate::progress::Progress;
+use crate::section::Section;
+
+use super::contour::{corners, pierced_voxels};
+use super::invariant::{differs_near_face, faces, neighbor, node_offset};
+use super::locate::{Cells, leaf_cells, node_cell};
+use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples};
+
+mod batch;
+
+use batch::Batch;
+
+/// Leaves evaluated at a time: a million points, some 50 MB with what
+/// belongs to them.
+const BATCH_LEAVES: usize = 2048;
+/// Single points evaluated at a time.
+const BATCH_POINTS: usize = 1 << 20;
+/// The node of a leaf that stands for it on the coarse lattice, along every
+/// axis.
+const COARSE: i32 = SIDE / 2;
+/// [`LEAF_SIDE`] for node indices.
+const SIDE: i32 = LEAF_SIDE as i32;
+
+/// How far the surface keeps from leaves without values, in nodes: one is
+/// enough to close it, smoothing moves it and looks at neighbours' neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Margin(pub usize);
+
+/// Samples, and what they cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampling {
+    /// The samples.
+    pub samples: Samples,
+    /// Points at which the field was evaluated; those in cells of one label
+    /// alone are not counted.
+    pub points: u64,
+}
+
+/// Samples the field wherever its labels change on the lattice, as far as the
+/// contours or a coarse lattice of one node a leaf show where.
+///
+/// # Errors
+/// When the field cannot be evaluated.
+pub fn sample(
+    arrangement: &Arrangement,
+    field: &dyn Field,
+    sections: &[Section],
+    lattice: &Lattice,
+    margin: Margin,
+    progress: &dyn Progress,
+) -> Result<Sampling> {
+    let sampler = Sampler { cells: arrangement, field, lattice: *lattice, margin, progress };
+    sampler.run(contour_leaves(sections, lattice))
+}
+
+/// The leaves of all nodes of the voxels that contours pass, sorted.
+fn contour_leaves(sections: &[Section], lattice: &Lattice) -> Vec<[i32; 3]> {
+    let leaf = |node: [i32; 3]| node.map(|index| index / SIDE);
+    let voxels = pierced_voxels(sections, lattice);
+    let mut leaves: Vec<[i32; 3]> = voxels.into_iter().flat_map(corners).map(leaf).collect();
+    leaves.sort_unstable();
+    leaves.dedup();
+    leaves
+}
+
+struct Sampler<'a> {
+    cells: &'a dyn Cells,
+    field: &'a dyn Field,
+    lattice: Lattice,
+    margin: Margin,
+    progress: &'a dyn Progress,
+}
+
+/// What is known so far.
+struct State {
+    tiles: Vec<Label>,
+    /// For every leaf of the lattice whether it is evaluated or about to be.
+    taken: Vec<bool>,
+    leaves: Vec<Leaf>,
+    points: u64,
+}
+
+impl Sampler<'_> {
+    fn run(&self, mut starts: Vec<[i32; 3]>) -> Result<Sampling> {
+        self.progress.begin("sampling", 0);
+        let (tiles, points) = self.coarse_labels()?;
+        let taken = vec![false; tiles.len()];
+        let mut state = State { tiles, taken, leaves: Vec::new(), points };
+        starts.extend(self.coarse_changes(&state.tiles));
+        let mut wave = self.take(starts, &mut state.taken);
+        while !wave.is_empty() {
+            let mut next = Vec::new();
+            for leaves in wave.chunks(BATCH_LEAVES) {
+                next.extend(self.evaluate(leaves, &mut state)?);
+                self.progress.advance(leaves.len() as u64);
+            }
+            wave = self.take(next, &mut state.taken);
+        }
+        state.leaves.par_sort_unstable_by_key(|leaf| leaf.at);
+        let samples = Samples { lattice: self.lattice, leaves: state.leaves, tiles: state.tiles };
+        Ok(Sampling { samples, points: state.points })
+    }
+
+    /// Sorts leaves, drops those taken already, and takes the others.
+    fn take(&self, mut leaves: Vec<[i32; 3]>, taken: &mut [bool]) -> Vec<[i32; 3]> {
+        leaves.sort_unstable();
+        leaves.dedup();
+        leaves.retain(|&at| !std::mem::replace(&mut taken[self.lattice.leaf_index(at)], true));
+        leaves
+    }
+
+    /// The label of one node of every leaf, and how many points that took.
+    fn coarse_labels(&self) -> Result<(Vec<Label>, u64)> {
+        let count = self.lattice.leaf_count() as usize;
+        let mut tiles = Vec::with_capacity(count);
+        let mut points = 0;
+        for start in (0..count).step_by(BATCH_POINTS) {
+            let indices = start..count.min(start + BATCH_POINTS);
+            let node = |index| self.lattice.leaf_at(index).map(|at| at * SIDE + COARSE);
+            let cell = |index| node_cell(self.cells, &self.lattice, node(index));
+            let cells = indices.clone().into_par_iter().map(cell).collect();
+            let position = |index| self.lattice.position(node(start + index));
+            let batch = Batch::evaluate(self.field, cells, position)?;
+            points += batch.points;
+            tiles.par_extend((0..indices.len()).into_par_iter().map(|index| batch.label(index)));
+        }
+        Ok((tiles, points))
+    }
+
+    /// Leaves with another coarse label than a neighbour's. Beyond the
+    /// lattice all is outside.
+    fn coarse_changes(&self, tiles: &[Label]) -> Vec<[i32; 3]> {
+        let changes = |index: &usize| {
+            let at = self.lattice.leaf_at(*index);
+            faces().any(|(axis, forward)| {
+                self.tile(tiles, neighbor(at, axis, forward)) != tiles[*index]
+            })
+        };
+        let indices: Vec<usize> = (0..tiles.len()).into_par_iter().filter(changes).collect();
+        indices.into_iter().map(|index| self.lattice.leaf_at(index)).collect()
+    }
+
+    fn tile(&self, tiles: &[Label], at: [i32; 3]) -> Label {
+        if self.lattice.has_leaf(at) { tiles[self.lattice.leaf_index(at)] } else { Label::OUTSIDE }
+    }
+
+    /// Evaluates leaves and says which others the surface comes near to.
+    fn evaluate(&self, leaves: &[[i32; 3]], state: &mut State) -> Result<Vec<[i32; 3]>> {
+        let cells = leaves
+            .par_iter()
+            .flat_map_iter(|&at| leaf_cells(self.cells, &self.lattice, at))
+            .collect();
+        let position = |node: usize| {
+            let (at, offset) = (leaves[node / LEAF_NODES], node_offset(node % LEAF_NODES));
+            let node = std::array::from_fn(|axis| at[axis] * SIDE + offset[axis] as i32);
+            self.lattice.position(node)
+        };
+        let batch = Batch::evaluate(self.field, cells, position)?;
+        state.points += batch.points;
+        let first = state.leaves.len();
+        let leaf = |(index, &at): (usize, &[i32; 3])| collect_leaf(&batch, index, at);
+        state.leaves.par_extend(leaves.par_iter().enumerate().map(leaf));
+        let next = |leaf: &Leaf| self.nearby(leaf, &state.tiles);
+        Ok(state.leaves[first..].par_iter().flat_map_iter(next).collect())
+    }
+
+    /// The neighbours of a leaf whose tile differs from a node near them.
+    fn nearby(&self, leaf: &Leaf, tiles: &[Label]) -> Vec<[i32; 3]> {
+        let labels = leaf.labels();
+        faces()
+            .filter_map(|(axis, forward)| {
+                let next = neighbor(leaf.at, axis, forward);
+                let tile = self.tile(tiles, next);
+                let differs = differs_near_face(&labels, axis, forward, self.margin.0, tile);
+                (self.lattice.has_leaf(next) && differs).then_some(next)
+            })
+            .collect()
+    }
+}
+
+/// The leaf made of the batch's `index`-th 512 nodes.
+fn collect_leaf(batch: &Batch, index: usize, at: [i32; 3]) -> Leaf {
+    let nodes = index * LEAF_NODES..(index + 1) * LEAF_NODES;
+    let absent = |label| LeafValues { label, values: vec![-1.0; LEAF_NODES] };
+    let mut materials: Vec<LeafValues> =
+        batch.materials(nodes.clone()).into_iter().map(absent).collect();
+    for (node, id) in nodes.enumerate() {
+        for (label, value) in batch.node(id) {
+            if let Ok(own) = materials.binary_search_by_key(&label, |own| own.label) {
+                materials[own].values[node] = value;
+            }
+        }
+    }
+    materials.retain(|own| own.values.iter().any(|&value| value > -1.0));
+    Leaf { at, materials }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,184 @@
+use glam::{DVec2, DVec3};
+
+use super::*;
+use crate::field::Queries;
+use crate::grid::lattice::Resolution;
+use crate::plane::{Bounds, Plane};
+use crate::progress::Silent;
+use crate::section::Edge;
+
+/// Balls as labels 1, 2, …: centre and radius.
+struct Balls {
+    balls: Vec<(DVec3, f64)>,
+    labels: [Vec<Label>; 2],
+}
+
+/// f = 1 - 2 (|x - c| / r)² / 2, cut off: positive inside the ball.
+fn indicator(point: DVec3, (center, radius): (DVec3, f64)) -> f32 {
+    (1.0 - ((point - center).length() / radius).powi(2)).clamp(-1.0, 1.0) as f32
+}
+
+impl Balls {
+    fn new(balls: &[(DVec3, f64)]) -> Self {
+        let labels = (0..=balls.len() as u32).map(Label).collect();
+        Self { balls: balls.to_vec(), labels: [labels, vec![Label::OUTSIDE]] }
+    }
+
+    fn label(&self, point: DVec3) -> Label {
+        let inside = self.balls.iter().position(|&ball| indicator(point, ball) > 0.0);
+        Label(inside.map_or(0, |index| index as u32 + 1))
+    }
+}
+
+impl Field for Balls {
+    fn labels(&self, cell: u32) -> &[Label] {
+        &self.labels[cell as usize]
+    }
+
+    fn evaluate(&self, queries: &Queries) -> Result<Vec<f32>> {
+        let points = queries.runs.iter().flat_map(|run| {
+            assert_eq!(run.cell, 0, "a cell of one label needs no evaluation");
+            &queries.points[run.points.clone()]
+        });
+        let values = |&point: &DVec3| {
+            let own: Vec<f32> = self.balls.iter().map(|&ball| indicator(point, ball)).collect();
+            let outside = 1.0 - own.iter().map(|f| f + 1.0).sum::<f32>();
+            std::iter::once(outside).chain(own).collect::<Vec<f32>>()
+        };
+        Ok(points.flat_map(values).collect())
+    }
+}
+
+/// Two cells: the second one, beyond x = `split`, is outside all over.
+struct Halves {
+    bounds: Bounds,
+    split: f64,
+}
+
+impl Cells for Halves {
+    fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    fn locate(&self, point: DVec3) -> u32 {
+        u32::from(point.x > self.split)
+    }
+}
+
+fn cube(half: f64) -> Bounds {
+    Bounds { min: DVec3::splat(-half), max: DVec3::splat(half) }
+}
+
+fn run(balls: &Balls, cells: &Halves, lattice: Lattice, margin: usize) -> Sampling {
+    let margin = Margin(margin);
+    let sampler = Sampler { cells, field: balls, lattice, margin, progress: &Silent };
+    sampler.run(Vec::new()).unwrap()
+}
+
+fn node_label(samples: &Samples, node: [i32; 3]) -> Label {
+    let at = node.map(|index| index / SIDE);
+    let offset = node.map(|index| (index % SIDE) as usize);
+    match samples.leaf(at) {
+        Some(leaf) => leaf.labels()[crate::grid::invariant::node_index(offset)],
+        None => samples.tiles[samples.lattice.leaf_index(at)],
+    }
+}
+
+#[test]
+fn every_node_of_two_balls_has_the_right_label() {
+    let balls = Balls::new(&[(DVec3::splat(-0.3), 0.45), (DVec3::new(0.5, 0.4, 0.45), 0.4)]);
+    let cells = Halves { bounds: cube(1.0), split: 0.95 };
+    let lattice = Lattice::new(cells.bounds, Resolution::Voxels(50)).unwrap();
+    let Sampling { samples, points } = run(&balls, &cells, lattice, 1);
+    samples.sanity_check().unwrap();
+    assert_eq!(samples.materials(), [Label(1), Label(2)]);
+    let mut inside = 0;
+    for x in 0..lattice.dims[0] {
+        for y in 0..lattice.dims[1] {
+            for z in 0..lattice.dims[2] {
+                let expected = balls.label(lattice.position([x, y, z]));
+                assert_eq!(node_label(&samples, [x, y, z]), expected, "{x} {y} {z}");
+                inside += u64::from(expected.is_material());
+            }
+        }
+    }
+    assert!(inside > 8000, "{inside}");
+    // Less than all leaves, and no node outside the box or in the second cell.
+    assert!(samples.leaves.len() < 343 && points < samples.leaves.len() as u64 * 512);
+}
+
+#[test]
+fn a_surface_on_the_box_is_closed_outside_of_it() {
+    let balls = Balls::new(&[(DVec3::ZERO, 10.0)]);
+    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    for resolution in [6, 7, 14, 15, 16, 30] {
+        let lattice = Lattice::new(cells.bounds, Resolution::Voxels(resolution)).unwrap();
+        let samples = run(&balls, &cells, lattice, 1).samples;
+        samples.sanity_check().unwrap();
+        let nodes = lattice.dims.map(|nodes| nodes - 2);
+        assert_eq!(node_label(&samples, nodes), Label(1));
+        assert_eq!(node_label(&samples, [1, 1, 1]), Label(1));
+    }
+}
+
+#[test]
+fn a_wider_margin_keeps_the_surface_from_tiles() {
+    let balls = Balls::new(&[(DVec3::splat(0.1), 0.61)]);
+    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
+    let narrow = run(&balls, &cells, lattice, 1).samples;
+    let wide = run(&balls, &cells, lattice, 4).samples;
+    assert!(wide.leaves.len() > narrow.leaves.len());
+    wide.sanity_check().unwrap();
+    for leaf in &wide.leaves {
+        let labels = leaf.labels();
+        for (axis, forward) in faces() {
+            let next = neighbor(leaf.at, axis, forward);
+            if lattice.has_leaf(next) && wide.leaf(next).is_none() {
+                let tile = wide.tiles[lattice.leaf_index(next)];
+                assert!(!differs_near_face(&labels, axis, forward, 4, tile));
+            }
+        }
+    }
+}
+
+#[test]
+fn contours_find_what_the_coarse_lattice_misses() {
+    // A ball of three nodes' width between the coarse nodes.
+    let center = DVec3::new(0.02, 0.03, 0.01);
+    let balls = Balls::new(&[(center, 0.045)]);
+    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
+    assert!(run(&balls, &cells, lattice, 1).samples.leaves.is_empty());
+
+    let plane = Plane { normal: DVec3::Z, offset: 0.01 };
+    let around = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
+    let vertices = around.map(|(x, y)| DVec2::new(0.02 + 0.045 * x, 0.03 + 0.045 * y)).to_vec();
+    let edge = |start| Edge { start, end: (start + 1) % 4, left: Label(1), right: Label::OUTSIDE };
+    let section = Section {
+        name: "middle".to_owned(),
+        plane,
+        vertices,
+        edges: (0..4).map(edge).collect(),
+        background: Label::OUTSIDE,
+    };
+    let starts = contour_leaves(&[section], &lattice);
+    let sampler =
+        Sampler { cells: &cells, field: &balls, lattice, margin: Margin(1), progress: &Silent };
+    let samples = sampler.run(starts).unwrap().samples;
+    samples.sanity_check().unwrap();
+    let labels = samples.leaves.iter().flat_map(Leaf::labels);
+    assert!(labels.filter(|&label| label == Label(1)).count() > 5);
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let balls = Balls::new(&[(DVec3::splat(-0.3), 0.45), (DVec3::new(0.5, 0.4, 0.45), 0.4)]);
+    let cells = Halves { bounds: cube(1.0), split: 0.95 };
+    let lattice = Lattice::new(cells.bounds, Resolution::Voxels(60)).unwrap();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| run(&balls, &cells, lattice, 2))
+    };
+    assert_eq!(with(1), with(4));
+}

@@ -1,0 +1,259 @@
+//! OpenVDB files.
+
+use std::path::Path;
+
+use cxx::UniquePtr;
+
+use crate::error::{Error, Result};
+use crate::ffi::vdb as ffi;
+use crate::grid::distance::{HALF_WIDTH, boundary_of, narrow_band};
+use crate::grid::samples::{Lattice, Leaf, Samples};
+use crate::label::{Label, Material};
+use crate::mesh::Mesh;
+
+mod names;
+mod reading;
+
+pub use names::{GridName, Which};
+pub use reading::{GridInfo, VdbFile};
+
+/// What programs are told wrote the file.
+const CREATOR: &str = concat!("transect ", env!("CARGO_PKG_VERSION"));
+
+/// What is written.
+#[derive(Debug, Clone, Copy)]
+pub struct VdbContents<'a> {
+    /// The nodes of all grids.
+    pub lattice: &'a Lattice,
+    /// The final surfaces: level sets are the distances to them.
+    pub mesh: &'a Mesh,
+    /// The indicators, for `label` and `indicator_<label>`.
+    pub samples: &'a Samples,
+    /// All materials.
+    pub materials: &'a [Material],
+    /// The unit of length; empty when unknown.
+    pub units: &'a str,
+    /// The frame of the coordinates; empty when unknown.
+    pub frame: &'a str,
+    /// Which grids, in which order.
+    pub grids: &'a [GridName],
+}
+
+/// Writes a file. The same contents make the same bytes.
+///
+/// # Errors
+/// A grid of a material that does not exist, or a file that cannot be
+/// written whole; a part of it may then be left at `path`.
+pub fn write(path: &Path, contents: &VdbContents) -> Result<()> {
+    let name =
+        path.to_str().ok_or_else(|| Error::file(path, "its name is not UTF-8; rename it"))?;
+    let wanted = names::resolve(contents.grids, contents.materials)?;
+    let mut builder = Builder::new(contents)?;
+    wanted.into_iter().try_for_each(|grid| builder.add(grid))?;
+    builder.describe_file()?;
+    ffi::write(&builder.volumes, name).map_err(|exception| {
+        Error::file(path, format!("cannot be written: {}", exception.what()))
+    })?;
+    // What the system could not store turns up here at the latest.
+    let synced =
+        std::fs::OpenOptions::new().write(true).open(path).and_then(|file| file.sync_all());
+    synced.map_err(|error| Error::file(path, format!("cannot be written: {error}")))
+}
+
+/// One grid to be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Grid {
+    Surface,
+    Density,
+    Label,
+    SurfaceOf(Label),
+    IndicatorOf(Label),
+}
+
+impl Grid {
+    fn name(self) -> String {
+        match self {
+            Self::Surface => "surface".to_owned(),
+            Self::Density => "density".to_owned(),
+            Self::Label => "label".to_owned(),
+            Self::SurfaceOf(label) => format!("surface_{label}"),
+            Self::IndicatorOf(label) => format!("indicator_{label}"),
+        }
+    }
+
+    fn label(self) -> Option<Label> {
+        match self {
+            Self::SurfaceOf(label) | Self::IndicatorOf(label) => Some(label),
+            Self::Surface | Self::Density | Self::Label => None,
+        }
+    }
+}
+
+/// Where all grids come together.
+struct Builder<'a> {
+    contents: &'a VdbContents<'a>,
+    volumes: UniquePtr<ffi::Volumes>,
+    /// The names and triangles of the level sets there are.
+    level_sets: Vec<(String, Vec<[u32; 3]>)>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(contents: &'a VdbContents) -> Result<Self> {
+        let lattice = contents.lattice;
+        let volumes =
+            ffi::new_volumes(lattice.voxel, lattice.origin.to_array()).map_err(library)?;
+        Ok(Self { contents, volumes, level_sets: Vec::new() })
+    }
+
+    fn add(&mut self, grid: Grid) -> Result<()> {
+        let name = grid.name();
+        match grid {
+            Grid::Surface => self.add_level_set(&name, Label::is_material),
+            Grid::SurfaceOf(label) => self.add_level_set(&name, |within| within == label),
+            Grid::Density => self.add_density(&name),
+            Grid::Label => add_labels(&mut self.volumes, &name, self.contents.samples),
+            Grid::IndicatorOf(label) => {
+                add_indicator(&mut self.volumes, &name, self.contents.samples, label)
+            }
+        }?;
+        self.describe(grid)
+    }
+
+    /// The distance to the surface of the union of some labels.
+    fn add_level_set(&mut self, name: &str, within: impl Fn(Label) -> bool) -> Result<()> {
+        let triangles = boundary_of(self.contents.mesh, within);
+        if let Some((same, _)) = self.level_sets.iter().find(|(_, other)| *other == triangles) {
+            return ffi::add_alias(self.volumes.pin_mut(), same, name).map_err(library);
+        }
+        let band = narrow_band(self.contents.lattice, &self.contents.mesh.vertices, &triangles);
+        let leaves = band.leaves.as_flattened();
+        ffi::add_level_set(self.volumes.pin_mut(), name, HALF_WIDTH, leaves, &band.values)
+            .map_err(library)?;
+        self.level_sets.push((name.to_owned(), triangles));
+        Ok(())
+    }
+
+    fn add_density(&mut self, name: &str) -> Result<()> {
+        // The name it has while it is no grid of its own.
+        const BASIS: &str = "basis of density";
+        self.add_level_set(BASIS, Label::is_material)?;
+        ffi::add_fog(self.volumes.pin_mut(), BASIS, name).map_err(library)?;
+        ffi::remove(self.volumes.pin_mut(), BASIS).map_err(library)?;
+        self.level_sets.retain(|(name, _)| name != BASIS);
+        Ok(())
+    }
+
+    fn describe(&mut self, grid: Grid) -> Result<()> {
+        let name = grid.name();
+        self.set_text(&name, "creator", CREATOR)?;
+        self.describe_space(&name)?;
+        let own = |material: &&Material| Some(Label(material.id)) == grid.label();
+        if let Some(material) = self.contents.materials.iter().find(own) {
+            let [r, g, b] = material.color;
+            self.set_text(&name, "label", &material.id.to_string())?;
+            self.set_text(&name, "label_name", &material.name)?;
+            self.set_text(&name, "label_color", &format!("#{r:02x}{g:02x}{b:02x}"))?;
+        }
+        Ok(())
+    }
+
+    fn describe_file(&mut self) -> Result<()> {
+        self.set_text("", "creator", CREATOR)?;
+        self.describe_space("")?;
+        let materials = serde_json::to_string(self.contents.materials)
+            .map_err(|error| Error::Bug { stage: "VDB", what: error.to_string() })?;
+        self.set_text("", "labels", &materials)
+    }
+
+    fn describe_space(&mut self, grid: &str) -> Result<()> {
+        for (key, text) in [("units", self.contents.units), ("frame", self.contents.frame)] {
+            if !text.is_empty() {
+                self.set_text(grid, key, text)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn set_text(&mut self, grid: &str, key: &str, text: &str) -> Result<()> {
+        ffi::set_text(self.volumes.pin_mut(), grid, key, text).map_err(library)
+    }
+}
+
+/// Leaves with 512 values each, and leaves of one value.
+struct Sparse<T> {
+    leaves: Vec<i32>,
+    values: Vec<T>,
+    tiles: Vec<i32>,
+    tile_values: Vec<T>,
+}
+
+impl<T> Sparse<T> {
+    /// Asks `leaf` for the values of leaves, if they are not all background,
+    /// and `tile` for those of tiles.
+    fn new(
+        samples: &Samples,
+        leaf: impl Fn(&Leaf) -> Option<Vec<T>>,
+        tile: impl Fn(Label) -> Option<T>,
+    ) -> Self {
+        let lattice = &samples.lattice;
+        let (mut leaves, mut values) = (Vec::new(), Vec::new());
+        let mut valued = vec![false; samples.tiles.len()];
+        for own in &samples.leaves {
+            valued[lattice.leaf_index(own.at)] = true;
+            if let Some(own_values) = leaf(own) {
+                leaves.extend(own.at);
+                values.extend(own_values);
+            }
+        }
+        let (mut tiles, mut tile_values) = (Vec::new(), Vec::new());
+        for (index, _) in valued.iter().enumerate().filter(|(_, valued)| !**valued) {
+            if let Some(value) = tile(samples.tiles[index]) {
+                tiles.extend(lattice.leaf_at(index));
+                tile_values.push(value);
+            }
+        }
+        Self { leaves, values, tiles, tile_values }
+    }
+}
+
+/// The number of the material at every node.
+fn add_labels(volumes: &mut UniquePtr<ffi::Volumes>, name: &str, samples: &Samples) -> Result<()> {
+    if let Some(large) = samples.materials().last().filter(|label| i32::try_from(label.0).is_err())
+    {
+        return Err(Error::Option(format!(
+            "the grid {name} cannot hold the label {large}, which is over {}: leave it out of \
+             --grids, or number the labels anew",
+            i32::MAX
+        )));
+    }
+    let number = |label: Label| label.0 as i32;
+    let leaf = |leaf: &Leaf| Some(leaf.labels().into_iter().map(number).collect());
+    let tile = |label: Label| label.is_material().then(|| number(label));
+    let Sparse { leaves, values, tiles, tile_values } = Sparse::new(samples, leaf, tile);
+    ffi::add_numbers(volumes.pin_mut(), name, &leaves, &values, &tiles, &tile_values)
+        .map_err(library)
+}
+
+/// A material's indicator: from −1 far outside to 1 far inside.
+fn add_indicator(
+    volumes: &mut UniquePtr<ffi::Volumes>,
+    name: &str,
+    samples: &Samples,
+    label: Label,
+) -> Result<()> {
+    let leaf = |leaf: &Leaf| {
+        let own = leaf.materials.iter().find(|own| own.label == label);
+        own.map(|own| own.values.clone())
+    };
+    let tile = |tile: Label| (tile == label).then_some(1.0);
+    let Sparse { leaves, values, tiles, tile_values } = Sparse::new(samples, leaf, tile);
+    ffi::add_values(volumes.pin_mut(), name, -1.0, &leaves, &values, &tiles, &tile_values)
+        .map_err(library)
+}
+
+fn library(exception: cxx::Exception) -> Error {
+    Error::library("VDB", &exception)
+}
+
+#[cfg(test)]
+mod tests;

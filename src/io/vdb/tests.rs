@@ -1,0 +1,216 @@
+use std::fs;
+
+use glam::DVec3;
+
+use super::*;
+use crate::grid::distance::tests::sphere;
+use crate::grid::samples::{LEAF_NODES, LeafValues};
+
+/// A ball of label 7 in the middle of a lattice of 40 nodes a side.
+struct Ball {
+    lattice: Lattice,
+    mesh: Mesh,
+    samples: Samples,
+    materials: Vec<Material>,
+}
+
+const RADIUS: f64 = 12.0;
+
+impl Ball {
+    fn new() -> Self {
+        Self::at(DVec3::new(1.0, 2.0, 3.0))
+    }
+
+    fn at(origin: DVec3) -> Self {
+        let lattice = Lattice { origin, voxel: 0.1, dims: [40; 3] };
+        let center = lattice.origin + 1.95;
+        let (vertices, triangles) = sphere(center, RADIUS * lattice.voxel, 5);
+        let sides = vec![[Label(7), Label::OUTSIDE]; triangles.len()];
+        let mesh = Mesh { vertices, triangles, sides };
+        let f = |node: [i32; 3]| {
+            let radius = lattice.position(node).distance(center) / lattice.voxel;
+            ((RADIUS - radius) / 20.0).clamp(-1.0, 1.0) as f32
+        };
+        let leaf = |index| {
+            let at = lattice.leaf_at(index);
+            let node = |node: usize| {
+                let offset = [node / 64, node / 8 % 8, node % 8];
+                f(std::array::from_fn(|axis| at[axis] * 8 + offset[axis] as i32))
+            };
+            let values = (0..LEAF_NODES).map(node).collect();
+            Leaf { at, materials: vec![LeafValues { label: Label(7), values }] }
+        };
+        // The leaf in the very middle is a tile.
+        let middle = lattice.leaf_index([2, 2, 2]);
+        let leaves = (0..125).filter(|&index| index != middle).map(leaf).collect();
+        let mut tiles = vec![Label::OUTSIDE; 125];
+        tiles[middle] = Label(7);
+        let samples = Samples { lattice, leaves, tiles };
+        let materials = vec![Material { id: 7, name: "Leber".to_owned(), color: [200, 16, 0] }];
+        Self { lattice, mesh, samples, materials }
+    }
+
+    fn contents<'a>(&'a self, grids: &'a [GridName]) -> VdbContents<'a> {
+        VdbContents {
+            lattice: &self.lattice,
+            mesh: &self.mesh,
+            samples: &self.samples,
+            materials: &self.materials,
+            units: "mm",
+            frame: "",
+            grids,
+        }
+    }
+}
+
+fn names(all: &str) -> Vec<GridName> {
+    all.split(',').map(|name| name.parse().unwrap()).collect()
+}
+
+fn written(ball: &Ball, grids: &str) -> (tempfile::TempDir, VdbFile) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ball.vdb");
+    write(&path, &ball.contents(&names(grids))).unwrap();
+    let file = VdbFile::read(&path).unwrap();
+    (folder, file)
+}
+
+fn text(metadata: &[(String, String)], key: &str) -> Option<String> {
+    metadata.iter().find(|(name, _)| name == key).map(|(_, text)| text.clone())
+}
+
+#[test]
+fn a_ball_has_every_grid_with_its_transform_and_metadata() {
+    let ball = Ball::new();
+    ball.samples.sanity_check().unwrap();
+    let (_folder, file) = written(&ball, "surface,density,label,surface_*,indicator_7");
+    let grids = file.grids().unwrap();
+    let kinds: Vec<[&str; 3]> = grids
+        .iter()
+        .map(|grid| [grid.name.as_str(), grid.value_type.as_str(), grid.class.as_str()])
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            ["density", "float", "fog volume"],
+            ["indicator_7", "float", "unknown"],
+            ["label", "int32", "unknown"],
+            ["surface", "float", "level set"],
+            ["surface_7", "float", "level set"],
+        ]
+    );
+    for grid in &grids {
+        assert!(grid.voxel.abs_diff_eq(DVec3::splat(0.1), 1e-15));
+        assert_eq!(grid.origin, DVec3::new(1.0, 2.0, 3.0));
+        assert_eq!(text(&grid.metadata, "units").as_deref(), Some("mm"));
+        assert_eq!(text(&grid.metadata, "creator").as_deref(), Some(CREATOR));
+        assert_eq!(text(&grid.metadata, "frame"), None);
+    }
+    assert_eq!(text(&grids[4].metadata, "label_name").as_deref(), Some("Leber"));
+    assert_eq!(text(&grids[4].metadata, "label_color").as_deref(), Some("#c81000"));
+    let labels = text(&file.metadata().unwrap(), "labels").unwrap();
+    assert_eq!(serde_json::from_str::<Vec<Material>>(&labels).unwrap(), ball.materials);
+}
+
+#[test]
+fn a_ball_passes_openvdbs_checks_and_has_the_right_values() {
+    let ball = Ball::new();
+    let (_folder, file) = written(&ball, "surface,density,label,surface_7,indicator_*");
+    for level_set in ["surface", "surface_7"] {
+        assert_eq!(file.check_level_set(level_set).unwrap(), "");
+    }
+    assert_eq!(file.check_fog_volume("density").unwrap(), "");
+    for (x, inside) in [(0, false), (5, false), (9, true), (20, true), (30, true), (34, false)] {
+        // The ball's centre is half a voxel off the node (19, 19, 19).
+        let radius = ((f64::from(x) - 19.5).powi(2) + 0.5).sqrt();
+        let node = [x, 19, 20];
+        let distance = (0.1 * (radius - RADIUS)).clamp(-0.3, 0.3);
+        assert!((file.value("surface", node).unwrap() - distance).abs() < 0.001);
+        let density = (-distance / 0.3).clamp(0.0, 1.0);
+        assert!((file.value("density", node).unwrap() - density).abs() < 0.01);
+        assert_eq!(file.value("label", node).unwrap(), if inside { 7.0 } else { 0.0 });
+        let indicator = file.value("indicator_7", node).unwrap();
+        let expected = if (16..24).contains(&x) { 1.0 } else { (RADIUS - radius) / 20.0 };
+        assert!((indicator - expected).abs() < 1e-6, "{x}: {indicator} {expected}");
+    }
+    assert_eq!(file.value("label", [-100, 0, 0]).unwrap(), 0.0);
+    assert_eq!(file.value("indicator_7", [-100, 0, 0]).unwrap(), -1.0);
+    // Voxels of the ball: 4/3 π 12³ = 7,238.
+    let active = |index: usize| file.grids().unwrap()[index].active as f64;
+    assert!((active(2) / 7238.0 - 1.0).abs() < 0.01, "{}", active(2));
+}
+
+#[test]
+fn far_from_the_origin_nothing_is_lost() {
+    let ball = Ball::at(DVec3::new(4.5e5, 5.4e6, -300.0));
+    let (_folder, file) = written(&ball, "surface,density");
+    assert_eq!(file.check_level_set("surface").unwrap(), "");
+    assert_eq!(file.check_fog_volume("density").unwrap(), "");
+    let near = written(&Ball::new(), "surface").1.value("surface", [9, 19, 20]).unwrap();
+    assert!((file.value("surface", [9, 19, 20]).unwrap() - near).abs() < 1e-5);
+}
+
+#[test]
+fn fog_needs_no_level_set_in_the_file() {
+    let (_folder, file) = written(&Ball::new(), "density,density");
+    let grids = file.grids().unwrap();
+    assert_eq!(grids.iter().map(|grid| grid.name.as_str()).collect::<Vec<_>>(), ["density"]);
+    assert_eq!(file.check_fog_volume("density").unwrap(), "");
+}
+
+#[test]
+fn the_same_contents_make_the_same_bytes() {
+    let ball = Ball::new();
+    let folder = tempfile::tempdir().unwrap();
+    let grids = names("surface,density,label,indicator_7");
+    let bytes = |threads, name: &str| {
+        let path = folder.path().join(name);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| write(&path, &ball.contents(&grids))).unwrap();
+        fs::read(path).unwrap()
+    };
+    let first = bytes(1, "a");
+    assert_eq!(first, bytes(3, "b"));
+    // Another content has another identifier.
+    let mut other = Ball::new();
+    other.materials[0].name.push('!');
+    let path = folder.path().join("c");
+    write(&path, &other.contents(&grids)).unwrap();
+    assert_ne!(first[21..57], fs::read(path).unwrap()[21..57]);
+}
+
+#[test]
+fn a_full_disk_and_a_missing_folder_are_errors() {
+    let ball = Ball::new();
+    let grids = names("surface");
+    for (path, why) in [("/dev/full", "No space left"), ("/nowhere/a.vdb", "No such file")] {
+        if path == "/dev/full" && !Path::new(path).exists() {
+            eprintln!("skipped: there is no {path}");
+            continue;
+        }
+        let error = write(Path::new(path), &ball.contents(&grids)).unwrap_err().to_string();
+        assert!(error.contains(path) && error.contains(why), "{error}");
+    }
+}
+
+#[test]
+fn names_that_mean_nothing_are_errors() {
+    for name in ["", "Surface", "surface_", "surface_x", "surface_0", "indicator", "label_1"] {
+        let error = name.parse::<GridName>().unwrap_err().to_string();
+        assert!(error.contains("indicator_<label>"), "{error}");
+    }
+    let ball = Ball::new();
+    let grids = names("surface,indicator_8");
+    let error = write(Path::new("/nowhere"), &ball.contents(&grids)).unwrap_err();
+    assert_eq!(error.to_string(), "there is no grid for label 8: the labels are 7");
+}
+
+#[test]
+fn a_label_too_large_for_the_grid_is_an_error() {
+    let mut ball = Ball::new();
+    ball.samples.tiles[0] = Label(3_000_000_000);
+    ball.samples.leaves.remove(0);
+    let grids = names("label");
+    let error = write(Path::new("/nowhere"), &ball.contents(&grids)).unwrap_err().to_string();
+    assert!(error.contains("3000000000"), "{error}");
+}
