@@ -169,7 +169,7 @@ Soup read_soup(rust::Str path) {
   std::vector<Kernel::Point_3> points;
   std::vector<std::vector<size_t>> polygons;
   if (!CGAL::IO::read_polygon_soup(std::string(path), points, polygons)) {
-    throw std::runtime_error("it cannot be read as its name promises, or ends early");
+    throw std::runtime_error("it is damaged, ends early, or has no faces");
   }
   Soup soup;
   for (const auto& point : points) {

@@ -3,6 +3,7 @@
 
 pub mod arrangement;
 pub mod check;
+pub mod compare;
 pub mod error;
 pub mod ffi;
 pub mod field;

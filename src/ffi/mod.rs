@@ -6,5 +6,5 @@ pub mod measure;
 pub mod vdb;
 pub mod arrangement;
 pub mod measure;
-pub mod threads;
 pub mod partition;
+pub mod threads;

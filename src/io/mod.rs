@@ -3,6 +3,11 @@
 pub mod contour;
 pub mod csl;
 pub mod json;
+pub mod mesh;
+pub mod obj;
+pub mod off;
+pub mod ply;
+pub mod stl;
 mod text;
 pub mod vdb;
 
@@ -14,6 +19,8 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::plane::Bounds;
 use crate::section::{Findings, Rules, Section, Sections, Warning};
+
+pub use mesh::{read_mesh, write_mesh};
 
 /// The kinds of files that sections are read from.
 pub const KINDS: &str = ".csl, .contour, .json";

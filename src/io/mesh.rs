@@ -1,0 +1,248 @@
+//! Files of meshes, by the ending of their name.
+
+use std::collections::HashMap;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::{obj, off, ply, stl};
+use crate::error::{Error, Result};
+use crate::ffi::measure;
+use crate::label::{Label, Material};
+use crate::mesh::Mesh;
+use crate::section::Sections;
+
+/// The kinds of files that meshes are read from and written to.
+pub const MESH_KINDS: &str = ".ply, .obj, .stl, .off";
+
+/// A kind of mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeshKind {
+    /// Stanford polygons, binary: keeps everything.
+    Ply,
+    /// Wavefront: a group for each pair of labels.
+    Obj,
+    /// Stereolithography, binary: single precision, no labels.
+    Stl,
+    /// Object file format: no labels.
+    Off,
+}
+
+impl MeshKind {
+    /// From the ending of a file's name, in either case.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_string_lossy().to_lowercase().as_str() {
+            "ply" => Some(Self::Ply),
+            "obj" => Some(Self::Obj),
+            "stl" => Some(Self::Stl),
+            "off" => Some(Self::Off),
+            _ => None,
+        }
+    }
+}
+
+/// What files say about a mesh besides its triangles.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct About<'a> {
+    /// Names and colours.
+    pub materials: &'a [Material],
+    /// The unit of length; empty when unknown.
+    pub units: &'a str,
+    /// The frame of the coordinates; empty when unknown.
+    pub frame: &'a str,
+}
+
+impl<'a> From<&'a Sections> for About<'a> {
+    fn from(sections: &'a Sections) -> Self {
+        Self { materials: &sections.materials, units: &sections.units, frame: &sections.frame }
+    }
+}
+
+impl About<'_> {
+    /// A line for each thing known, to be put into a comment.
+    pub(super) fn lines(&self) -> Vec<String> {
+        let mut lines = vec!["made by transect".to_owned()];
+        if !self.units.is_empty() {
+            lines.push(format!("units {}", self.units));
+        }
+        if !self.frame.is_empty() {
+            lines.push(format!("SPACE={}", self.frame));
+        }
+        let names = self.materials.iter();
+        lines.extend(names.map(|material| format!("label {} {}", material.id, material.name)));
+        for line in &mut lines {
+            *line = line.replace(char::is_control, " ");
+        }
+        lines
+    }
+
+    /// The colour of a label.
+    pub(super) fn color(&self, label: Label) -> [u8; 3] {
+        let known = self.materials.iter().find(|material| material.id == label.0);
+        known.map_or_else(|| Material::numbered(label).color, |material| material.color)
+    }
+}
+
+/// Writes a mesh. Of a network of several labels all triangles are written,
+/// those between materials, too; only PLY says which is which, and OBJ in the
+/// names of its groups.
+///
+/// # Errors
+/// What the writer says, and where a number does not fit into the format.
+pub fn write_mesh(
+    kind: MeshKind,
+    mesh: &Mesh,
+    about: &About,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let mut out = BufWriter::new(out);
+    match kind {
+        MeshKind::Ply => ply::write(mesh, about, &mut out),
+        MeshKind::Obj => obj::write(mesh, about, &mut out),
+        MeshKind::Stl => stl::write(mesh, about, &mut out),
+        MeshKind::Off => off::write(mesh, about, &mut out),
+    }?;
+    out.flush()
+}
+
+/// Reads a mesh. Triangles without labels lie between label 1 behind them and
+/// outside in front. Polygons become fans of triangles. But for PLY, points
+/// in the same place become one.
+///
+/// # Errors
+/// Where the file cannot be read, is empty, damaged, or has no triangle.
+pub fn read_mesh(path: &Path) -> Result<Mesh> {
+    let Some(kind) = MeshKind::of(path) else {
+        let what = format!("this kind of file is not known: meshes are read from {MESH_KINDS}");
+        return Err(Error::file(path, what));
+    };
+    let bytes = std::fs::read(path).map_err(|error| Error::file(path, super::reason(&error)))?;
+    if bytes.is_empty() {
+        return Err(Error::file(path, "the file is empty: export it again"));
+    }
+    let mesh = match kind {
+        MeshKind::Ply => ply::read(&bytes, path)?,
+        MeshKind::Obj | MeshKind::Stl | MeshKind::Off => {
+            drop(bytes);
+            read_soup(path)?
+        }
+    };
+    if mesh.triangles.is_empty() {
+        return Err(Error::file(path, "there is no triangle in it: export it again"));
+    }
+    if let Some(vertex) = mesh.vertices.iter().position(|vertex| !vertex.is_finite()) {
+        let what = "a coordinate is not a finite number: correct it, or export the file again";
+        return Err(Error::input(path, format!("vertex {vertex}"), what));
+    }
+    Ok(mesh)
+}
+
+/// By CGAL's readers.
+fn read_soup(path: &Path) -> Result<Mesh> {
+    let name = path.to_str().ok_or_else(|| {
+        Error::file(path, "the name is not valid Unicode: rename the file, or use a PLY file")
+    })?;
+    let soup = measure::read_soup(name)
+        .map_err(|exception| Error::file(path, format!("{}: export it again", exception.what())))?;
+    let (points, []) = soup.points.as_chunks::<3>() else {
+        return Err(Error::file(path, "a vertex has fewer than three coordinates"));
+    };
+    let (vertices, number) = welded(points.iter().map(|&point| DVec3::from_array(point)));
+    let triangles: Vec<[u32; 3]> = (soup.triangles.as_chunks::<3>().0.iter())
+        .map(|corners| corners.map(|corner| number[corner as usize]))
+        .collect();
+    let sides = vec![[Label(1), Label::OUTSIDE]; triangles.len()];
+    Ok(Mesh { vertices, triangles, sides })
+}
+
+/// Points without doubles, and for every point its number among them.
+fn welded(points: impl Iterator<Item = DVec3>) -> (Vec<DVec3>, Vec<u32>) {
+    let mut vertices = Vec::new();
+    let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
+    let number = points
+        .map(|point| {
+            // Adding zero makes one zero of the two.
+            let key = (point + DVec3::ZERO).to_array().map(f64::to_bits);
+            *numbers.entry(key).or_insert_with(|| {
+                vertices.push(point);
+                vertices.len() as u32 - 1
+            })
+        })
+        .collect();
+    (vertices, number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::samples::Lattice;
+    use crate::mesh::dual;
+    use crate::mesh::shapes::{samples, solid};
+    use crate::progress::Silent;
+
+    /// Writes and reads.
+    fn round_trip(mesh: &Mesh, name: &str) -> Mesh {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        let materials = [Material::numbered(Label(1))];
+        let about = About { materials: &materials, units: "mm", frame: "LPS" };
+        let mut bytes = Vec::new();
+        write_mesh(MeshKind::of(&path).unwrap(), mesh, &about, &mut bytes).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        read_mesh(&path).unwrap()
+    }
+
+    fn ball() -> Mesh {
+        solid(21, 1.0, |point| 0.7 - (point - 0.013).length())
+    }
+
+    #[test]
+    fn ply_obj_and_off_keep_every_digit() {
+        let ball = ball();
+        for name in ["ball.ply", "ball.obj", "ball.OFF"] {
+            assert_eq!(round_trip(&ball, name), ball, "{name}");
+        }
+    }
+
+    #[test]
+    fn ply_keeps_labels() {
+        let lattice = Lattice { origin: DVec3::new(-3.0, 2.0, 1.0), voxel: 0.5, dims: [10; 3] };
+        let samples =
+            samples(lattice, |[x, _, _]| if x < 5 { vec![0.8, -1.0] } else { vec![-1.0, 0.4] });
+        let mesh = dual(&samples, &Silent).unwrap();
+        assert_eq!(mesh.labels(), [Label(1), Label(2)]);
+        assert_eq!(round_trip(&mesh, "two.ply"), mesh);
+    }
+
+    #[test]
+    fn stl_keeps_single_precision() {
+        let ball = ball();
+        let single = round_trip(&ball, "ball.stl");
+        assert_eq!(single.triangles.len(), ball.triangles.len());
+        assert_eq!(single.vertices.len(), ball.vertices.len());
+        for triangle in 0..ball.triangles.len() {
+            let rounded = ball.corners(triangle).map(|corner| corner.as_vec3().as_dvec3());
+            assert_eq!(single.corners(triangle), rounded);
+        }
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_an_error_that_says_so() {
+        let folder = tempfile::tempdir().unwrap();
+        let bad = |name: &str, content: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, content).unwrap();
+            read_mesh(&path).unwrap_err().to_string()
+        };
+        assert!(bad("a.xyz", "1").contains("kind"));
+        assert!(bad("a.off", "").contains("empty"));
+        assert!(bad("b.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n").contains("b.off"));
+        assert!(bad("c.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n").contains("c.off"));
+        assert!(bad("d.obj", "v 0 0 0\n").contains("no faces"));
+        assert!(bad("e.stl", "solid x\n facet normal 0 0 1\n").contains("e.stl"));
+        assert!(bad("f.ply", "ply\nformat ascii 1.0\n").contains("header"));
+        let missing = read_mesh(&folder.path().join("missing.stl")).unwrap_err().to_string();
+        assert!(missing.contains("no such file"));
+    }
+}
