@@ -1,0 +1,243 @@
+//! How far a solid is from a reference solid. A network of several materials
+//! counts as the union of them all.
+
+mod columns;
+mod sampling;
+
+use glam::DVec3;
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::label::Label;
+use crate::mesh::nearest::Nearest;
+use crate::mesh::{Mesh, Surface};
+use crate::plane::Bounds;
+use crate::progress::Progress;
+use columns::Grid;
+
+/// How finely is looked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// Voxels on the longest side of the box around both solids, for volumes
+    /// in common.
+    pub grid: u32,
+    /// Points drawn on each surface.
+    pub samples: u32,
+    /// What they are drawn from: the same points for the same seed.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { grid: 256, samples: 100_000, seed: 0 }
+    }
+}
+
+/// What two solids have in common.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// The volume in common over that of the union; 1 when alike.
+    pub iou: f64,
+    /// The larger of the two largest distances, over `diagonal`.
+    pub hausdorff: f64,
+    /// The mean of the two mean distances, over `diagonal`.
+    pub chamfer: f64,
+    /// From the mesh to the reference, over `diagonal`.
+    pub to_reference: Distance,
+    /// From the reference to the mesh, over `diagonal`.
+    pub from_reference: Distance,
+    /// The mesh's volume over the reference's.
+    pub volume_ratio: f64,
+    /// The mesh's area over the reference's.
+    pub area_ratio: f64,
+    /// The diagonal of the reference's box, in world units.
+    pub diagonal: f64,
+    /// What makes these figures doubtful.
+    pub warnings: Vec<String>,
+}
+
+/// From one surface to the other.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Distance {
+    /// The largest, from vertices and drawn points.
+    pub max: f64,
+    /// The mean over the surface, from evenly drawn points.
+    pub mean: f64,
+}
+
+/// Compares a mesh with a reference in the same frame.
+///
+/// # Errors
+/// When one of them has no surface around its materials, or the reference no
+/// volume.
+pub fn compare(
+    mesh: &Mesh,
+    reference: &Mesh,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Comparison> {
+    progress.begin("compare", 5);
+    let mut warnings = Vec::new();
+    let solid = Solid::new(mesh, "mesh", &mut warnings)?;
+    let reference = Solid::new(reference, "reference", &mut warnings)?;
+    progress.advance(1);
+    let iou = iou(&solid, &reference, options, &mut warnings)?;
+    progress.advance(1);
+    let diagonal = reference.bounds.diagonal();
+    let to_reference = distance(&solid.surface, &reference.surface, diagonal, options)?;
+    progress.advance(1);
+    let from_reference = distance(&reference.surface, &solid.surface, diagonal, options)?;
+    progress.advance(2);
+    Ok(Comparison {
+        iou,
+        hausdorff: to_reference.max.max(from_reference.max),
+        chamfer: 0.5 * (to_reference.mean + from_reference.mean),
+        to_reference,
+        from_reference,
+        volume_ratio: solid.volume / reference.volume,
+        area_ratio: solid.area / reference.area,
+        diagonal,
+        warnings,
+    })
+}
+
+/// What a mesh encloses.
+struct Solid {
+    name: &'static str,
+    surface: Surface,
+    bounds: Bounds,
+    volume: f64,
+    area: f64,
+}
+
+impl Solid {
+    fn new(mesh: &Mesh, name: &'static str, warnings: &mut Vec<String>) -> Result<Self> {
+        let surface = mesh.surface_of(Label::is_material);
+        let Some(bounds) = Bounds::around(surface.vertices.iter().copied()) else {
+            return Err(Error::Option(format!(
+                "the {name} has no surface: there is nothing to compare"
+            )));
+        };
+        let facts = surface.facts(false)?;
+        if !facts.closed {
+            warnings.push(format!(
+                "the {name} is not closed, or its triangles do not agree on which side is out: \
+                 its volume is doubtful"
+            ));
+        } else if !facts.outward {
+            warnings.push(format!("the {name} faces inward in part: its volume is taken by size"));
+        }
+        // Written so that a volume that is no number is refused, too.
+        let volume = facts.volume.abs();
+        if !(volume > 0.0) {
+            return Err(Error::Option(format!("the {name} encloses no volume: it must be closed")));
+        }
+        Ok(Self { name, surface, bounds, volume, area: facts.area })
+    }
+}
+
+/// Counts voxels whose centres lie inside.
+fn iou(
+    solid: &Solid,
+    reference: &Solid,
+    options: &Options,
+    warnings: &mut Vec<String>,
+) -> Result<f64> {
+    let joint = Bounds {
+        min: solid.bounds.min.min(reference.bounds.min),
+        max: solid.bounds.max.max(reference.bounds.max),
+    };
+    let grid = Grid::around(&joint, options.grid.max(1));
+    let inside = [solid, reference].map(|solid| {
+        let columns = grid.columns(&solid.surface);
+        let odd = columns.odd();
+        if odd > 0 {
+            warnings.push(format!(
+                "{odd} of {} lines through the {} leave it more or less often than they enter: \
+                 it is not closed there",
+                grid.count(),
+                solid.name
+            ));
+        }
+        columns
+    });
+    let (common, union) = inside[0].common_and_union(&inside[1]);
+    if union == 0 {
+        let what = "both solids are thinner than a voxel everywhere: choose a finer grid";
+        return Err(Error::Option(what.into()));
+    }
+    Ok(common as f64 / union as f64)
+}
+
+fn distance(from: &Surface, to: &Surface, diagonal: f64, options: &Options) -> Result<Distance> {
+    let nearest = Nearest::on_surface(to)?;
+    let drawn: Vec<DVec3> = sampling::draw(from, options.samples.max(1), options.seed);
+    let drawn = nearest.distances(&drawn)?;
+    let vertices = nearest.distances(&from.vertices)?;
+    let max = drawn.iter().chain(&vertices).copied().fold(0.0, f64::max);
+    let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
+    Ok(Distance { max: max / diagonal, mean: mean / diagonal })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::solid;
+    use crate::progress::Silent;
+
+    fn ball(radius: f64, center: DVec3) -> Mesh {
+        solid(61, 1.0, |point| radius - (point - center).length())
+    }
+
+    fn figures(mesh: &Mesh, reference: &Mesh) -> Comparison {
+        let options = Options { samples: 20_000, ..Options::default() };
+        compare(mesh, reference, &options, &Silent).unwrap()
+    }
+
+    #[test]
+    fn a_solid_is_like_itself() {
+        let ball = ball(0.7, DVec3::splat(0.01));
+        let found = figures(&ball, &ball);
+        assert_eq!((found.iou, found.volume_ratio, found.area_ratio), (1.0, 1.0, 1.0));
+        assert!(found.hausdorff < 1e-12 && found.chamfer < 1e-12 && found.warnings.is_empty());
+    }
+
+    #[test]
+    fn concentric_balls() {
+        let found = figures(&ball(0.4, DVec3::ZERO), &ball(0.8, DVec3::ZERO));
+        assert!((found.iou - 0.125).abs() < 2e-3, "{}", found.iou);
+        assert!((found.volume_ratio - 0.125).abs() < 2e-3);
+        assert!((found.area_ratio - 0.25).abs() < 2e-3);
+        // Everywhere 0.4 apart, and the box's diagonal is 1.6 √3.
+        let apart = 0.4 / (1.6 * 3f64.sqrt());
+        for figure in [found.hausdorff, found.chamfer, found.to_reference.mean] {
+            assert!((figure - apart).abs() < 2e-3, "{figure} {apart}");
+        }
+    }
+
+    #[test]
+    fn shifted_balls() {
+        // Two balls of radius r at distance d have in common
+        // π (2r − d)² (d² + 4dr) / (12 d).
+        let (r, d) = (0.5f64, 0.4f64);
+        let found = figures(&ball(r, -0.2 * DVec3::X), &ball(r, 0.2 * DVec3::X));
+        let common =
+            std::f64::consts::PI * (2.0 * r - d).powi(2) * (d * d + 4.0 * d * r) / (12.0 * d);
+        let union = 8.0 / 3.0 * std::f64::consts::PI * r.powi(3) - common;
+        assert!((found.iou - common / union).abs() < 3e-3, "{}", found.iou);
+        // The far poles are d apart.
+        assert!((found.hausdorff * found.diagonal - d).abs() < 2e-3);
+    }
+
+    #[test]
+    fn holes_are_told() {
+        let whole = ball(0.7, DVec3::ZERO);
+        let mut open = whole.clone();
+        // Without its cap at the upper pole.
+        open.triangles.retain(|&[a, _, _]| whole.vertices[a as usize].z < 0.6);
+        open.sides.truncate(open.triangles.len());
+        let found = figures(&open, &whole);
+        assert_eq!(found.warnings.len(), 2, "{:?}", found.warnings);
+        assert!(compare(&Mesh::default(), &whole, &Options::default(), &Silent).is_err());
+    }
+}
