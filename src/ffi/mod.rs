@@ -1,10 +1,9 @@
 //! The bridges to C++: the only place where `cxx` appears. Flat slices cross
 //! them, in few calls; every function that can throw returns a `Result`.
 
-pub mod grid;
-pub mod measure;
-pub mod vdb;
 pub mod arrangement;
+pub mod grid;
 pub mod measure;
 pub mod partition;
 pub mod threads;
+pub mod vdb;
