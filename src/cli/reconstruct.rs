@@ -17,7 +17,6 @@ use crate::io::{self};
 use crate::model::{Derived, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
-use crate::progress::Progress;
 use crate::report::Report;
 use crate::section::Sections;
 use crate::stage::Stages;
