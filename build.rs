@@ -22,7 +22,8 @@ fn main() {
         .flag_if_supported("-Wno-deprecated-declarations")
         .opt_level(2)
         .define("NDEBUG", None)
-        .warnings(false);
+        .warnings(false)
+        .debug(false); // CGAL's templates make for a gigabyte of it
     for definition in values(&flags, "define") {
         let (name, value) = match definition.split_once('=') {
             Some((name, value)) => (name, Some(value)),

@@ -1,9 +1,7 @@
 #include "transect/cpp/grid.h"
 
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/LeafManager.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
@@ -184,12 +182,6 @@ Leaves take_material(Grid& grid, size_t material) {
     for (Index node = 0; node < FloatLeaf::SIZE; ++node) taken.values.push_back(values[node]);
   }
   return taken;
-}
-
-void limit_threads(size_t threads) {
-  static std::unique_ptr<tbb::global_control> limit;
-  limit =
-      std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, threads);
 }
 
 }  // namespace transect::grid

@@ -35,7 +35,4 @@ void smooth(Grid& grid, uint32_t steps, float rate);
 /// Takes the leaves of a material out of the grid, in no certain order.
 Leaves take_material(Grid& grid, size_t material);
 
-/// How many threads OpenVDB uses from now on.
-void limit_threads(size_t threads);
-
 }  // namespace transect::grid

@@ -3,18 +3,21 @@
 //! Sections are ground state; arrangement, samples and mesh follow from them.
 //! Only [`Model::apply`] changes a model, all or nothing.
 
-use glam::DVec3;
-
 use crate::arrangement::Arrangement;
 use crate::change::Change;
 use crate::error::{Error, Result};
 use crate::field::{self, Device};
+use crate::grid::lattice::Resolution;
+use crate::grid::memory::require_memory;
 use crate::grid::samples::{Lattice, Samples};
+use crate::grid::sampling::{Margin, sample};
+use crate::grid::smoothing::{SMOOTHING_MARGIN, smoothed};
 use crate::label::Label;
 use crate::mesh::Mesh;
+use crate::mesh::dual::dual;
 use crate::plane::Bounds;
 use crate::progress::Progress;
-use crate::section::Sections;
+use crate::section::{Rules, Sections};
 use crate::stage::Stages;
 
 /// How far the box reaches beyond all contours, relative to their diagonal.
@@ -24,15 +27,6 @@ const MARGIN: f64 = 0.05;
 /// points are taken to be this far away. On the plane the indicator is a
 /// step, in which an interpolated crossing would be lost.
 const CLEARANCE: f64 = 0.02;
-
-/// How fine the grid is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Resolution {
-    /// Voxels on the longest side of the box.
-    Longest(u32),
-    /// The side of a voxel, in world units.
-    VoxelSize(f64),
-}
 
 /// How a model is derived from its sections.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +41,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { resolution: Resolution::Longest(256), smooth: 4, device: Device::Auto }
+        Self { resolution: Resolution::Voxels(256), smooth: 4, device: Device::Auto }
     }
 }
 
@@ -61,10 +55,15 @@ pub struct Model {
 
 /// What follows from the sections.
 #[derive(Debug)]
-struct Derived {
-    arrangement: Arrangement,
-    samples: Samples,
-    mesh: Mesh,
+pub struct Derived {
+    /// The cells between the sections.
+    pub arrangement: Arrangement,
+    /// The field's values near the surface, smoothed.
+    pub samples: Samples,
+    /// The network of surfaces.
+    pub mesh: Mesh,
+    /// The backend that evaluated the field.
+    pub device: String,
 }
 
 impl Model {
@@ -73,20 +72,26 @@ impl Model {
         Self { options, sections: Sections::default(), derived: None }
     }
 
-    /// Changes the sections and derives everything anew; leaves the model as
-    /// it was when that fails.
+    /// Changes the sections and derives everything anew; the model stays as it
+    /// was when that fails.
     ///
     /// # Errors
-    /// When the sections contradict each other, when the grid would not fit
-    /// into memory, or when a stage fails.
+    /// When there is no contour at all, when sections on one plane contradict
+    /// each other, when the grid would not fit into memory, or when a stage
+    /// fails.
     pub fn apply(
         &mut self,
         change: Change,
+        rules: &Rules,
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<()> {
         let Change::Add(added) = change;
-        let sections = self.sections.clone().joined(added)?;
+        let sections = if self.derived.is_none() {
+            added
+        } else {
+            Sections::join(vec![self.sections.clone(), added], rules)?
+        };
         let derived = derive(&sections, &self.options, stages, progress)?;
         self.sections = sections;
         self.derived = Some(derived);
@@ -97,4 +102,66 @@ impl Model {
     pub fn sections(&self) -> &Sections {
         &self.sections
     }
+
+    /// What follows from the sections; `None` before the first change.
+    pub fn derived(&self) -> Option<&Derived> {
+        self.derived.as_ref()
+    }
+}
+
+/// The box: all contours with a margin, in which the surface closes.
+///
+/// # Errors
+/// When there is no contour.
+fn bounds_of(sections: &Sections) -> Result<Bounds> {
+    let Some(contours) = sections.bounds() else {
+        return Err(Error::Option(
+            "there is nothing to reconstruct: no section has a contour".to_owned(),
+        ));
+    };
+    Ok(contours.grown(MARGIN * contours.diagonal()))
+}
+
+/// The whole way from sections to the mesh.
+fn derive(
+    sections: &Sections,
+    options: &Options,
+    stages: &mut Stages,
+    progress: &dyn Progress,
+) -> Result<Derived> {
+    let all = &sections.sections;
+    let bounds = bounds_of(sections)?;
+    let lattice = Lattice::new(bounds, options.resolution)?;
+    require_memory(&lattice, all, sections.materials.len())?;
+
+    let arrangement = stages.run("arrangement", |counts| {
+        progress.begin("arrangement", 0);
+        let arrangement = Arrangement::new(all, bounds, Label::OUTSIDE)?;
+        let sound = arrangement.sanity_check();
+        sound.map_err(|what| Error::Bug { stage: "arrangement", what })?;
+        counts.insert("planes".into(), all.len() as u64);
+        counts.insert("faces".into(), arrangement.faces().len() as u64);
+        counts.insert("cells".into(), arrangement.cells().len() as u64);
+        Ok(arrangement)
+    })?;
+    let (samples, device) = stages.run("field", |counts| {
+        let field = field::new(&arrangement, CLEARANCE * lattice.voxel, options.device)?;
+        let margin = if options.smooth > 0 { SMOOTHING_MARGIN } else { Margin(1) };
+        let sampling = sample(&arrangement, field.as_ref(), all, &lattice, margin, progress)?;
+        counts.insert("leaves".into(), sampling.samples.leaves.len() as u64);
+        counts.insert("evaluations".into(), sampling.points);
+        Ok((sampling.samples, field.name()))
+    })?;
+    let samples = stages.run("smoothing", |counts| {
+        progress.begin("smoothing", 0);
+        counts.insert("steps".into(), options.smooth.into());
+        smoothed(samples, all, bounds, options.smooth)
+    })?;
+    let mesh = stages.run("mesh", |counts| {
+        let mesh = dual(&samples, progress)?;
+        counts.insert("vertices".into(), mesh.vertices.len() as u64);
+        counts.insert("triangles".into(), mesh.triangles.len() as u64);
+        Ok(mesh)
+    })?;
+    Ok(Derived { arrangement, samples, mesh, device })
 }

@@ -64,17 +64,17 @@ const BAD: &[(&str, &[&str])] = &[
     ("planes.csl", &["plane 1 should follow", "truncated"]),
     ("nan.csl", &["section 1, line 7", "vertex 1 is NaN", "finite"]),
     ("zero_normal.csl", &["section 1, line 4", "normal (A, B, C) is zero"]),
-    ("index.csl", &["section 1, line 10", "index 4 is out of range", "4 vertices, from 0"]),
-    ("count.csl", &["section 1, line 10", "promises 4 vertices, the line has 3"]),
-    ("parent.csl", &["section 1, line 10", "a hole of loop 3", "1 loops"]),
-    ("label.csl", &["section 1, line 10", "label", "\"-1\""]),
+    ("index.csl", &["section 1, line 11", "index 4 is out of range", "4 vertices, from 0"]),
+    ("count.csl", &["section 1, line 11", "promises 4 vertices, the line has 3"]),
+    ("parent.csl", &["section 1, line 11", "a hole of loop 3", "1 loops"]),
+    ("label.csl", &["section 1, line 11", "label", "\"-1\""]),
     ("off_plane.csl", &["section 1 (line 4)", "vertex 2 of loop 0", "0.010000 off its plane"]),
-    ("coordinate.csl", &["section 1, line 8", "vertex 3 has 3 entries, this line has 2"]),
+    ("coordinate.csl", &["section 1, line 9", "vertex 3 has 3 entries, this line has 2"]),
     (
         "overlap.csl",
         &["section 12 (line 3)", "loops 0 (label 1) and 1 (label 2) overlap", "near ["],
     ),
-    ("coincident.csl", &["section 3 (line 9)", "plane of section 1", "5.000e-1", "near ["]),
+    ("coincident.csl", &["section 3 (line 10)", "plane of section 1", "2.500e-1", "near ["]),
     ("contradiction.contour", &["section 1 (line 2)", "contradictory labels around vertex"]),
     ("dangling.contour", &["section 1 (line 2)", "contradictory labels around vertex"]),
     ("index.contour", &["section 1, line 19", "index 7 is out of range", "7 vertices"]),
@@ -152,7 +152,7 @@ fn strict_refuses_what_is_doubtful() {
     let strict = Rules { strict: true, ..Rules::default() };
     let place = "section 7 (line 3): loop 0 crosses itself at [1, 1, 0]";
     assert_says(&failure("bowtie.csl", &strict), &["bowtie.csl", place, "--strict"]);
-    assert_says(&failure("merged.csl", &strict), &["section 3 (line 9)", "plane of section 1"]);
+    assert_says(&failure("merged.csl", &strict), &["section 3 (line 10)", "plane of section 1"]);
     for clean in ["square.csl", "hole.csl", "degenerate.csl", "mirrored.contour", "loops.json"] {
         assert!(read_sections(&corpus(clean), &strict).is_ok(), "{clean}");
     }

@@ -6,7 +6,7 @@ mod planes;
 
 use glam::{DVec2, DVec3};
 
-use super::Arrangement;
+use super::{Arrangement, Face};
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};
 use crate::section::{Edge, Section};
@@ -66,7 +66,7 @@ fn arrange_planes(planes: &[Plane], bounds: Bounds) -> Arrangement {
 }
 
 /// The faces on a plane.
-fn faces_on(arrangement: &Arrangement, plane: u32) -> Vec<&super::Face> {
+fn faces_on(arrangement: &Arrangement, plane: u32) -> Vec<&Face> {
     arrangement.faces().iter().filter(|face| face.plane == plane).collect()
 }
 

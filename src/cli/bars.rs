@@ -5,10 +5,40 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::progress::Progress;
+use crate::progress::{Progress, Silent};
 
 /// How long a stage may take before a bar is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Whoever watches a command: bars, or nobody.
+pub enum Watcher {
+    /// On a terminal.
+    Bars(Bars),
+    /// With `--quiet`.
+    Nobody,
+}
+
+impl Watcher {
+    /// Bars unless `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        if quiet { Self::Nobody } else { Self::Bars(Bars::new()) }
+    }
+
+    /// What the stages tell.
+    pub fn progress(&self) -> &dyn Progress {
+        match self {
+            Self::Bars(bars) => bars,
+            Self::Nobody => &Silent,
+        }
+    }
+
+    /// Takes the present bar from the screen.
+    pub fn finish(&self) {
+        if let Self::Bars(bars) = self {
+            bars.clear();
+        }
+    }
+}
 
 /// One bar at a time, on stderr.
 pub struct Bars {
@@ -17,12 +47,12 @@ pub struct Bars {
 
 impl Bars {
     /// No stage has begun.
-    pub fn new() -> Self {
+    fn new() -> Self {
         Self { bar: Mutex::new(ProgressBar::hidden()) }
     }
 
     /// Takes the present bar from the screen.
-    pub fn clear(&self) {
+    fn clear(&self) {
         if let Ok(bar) = self.bar.lock() {
             bar.finish_and_clear();
         }

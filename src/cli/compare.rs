@@ -1,17 +1,18 @@
 //! `transect compare`: how far a mesh is from a reference.
 
-use std::io::stdout;
-
 use super::args::CompareArguments;
-use super::print;
-use crate::compare;
+use super::bars::Watcher;
+use super::{print, table};
+use crate::compare::{Options, compare};
 use crate::error::Result;
-use crate::io;
+use crate::io::mesh::read_mesh;
 
 /// Measures and prints.
 pub fn run(arguments: &CompareArguments) -> Result<()> {
-    let mesh = io::read_mesh(&arguments.mesh)?;
-    let reference = io::read_mesh(&arguments.reference)?;
-    let comparison = compare::compare(&mesh, &reference)?;
-    print(&mut stdout(), arguments.json, &comparison)
+    let mesh = read_mesh(&arguments.mesh)?;
+    let reference = read_mesh(&arguments.reference)?;
+    let watcher = Watcher::new(arguments.quiet);
+    let comparison = compare(&mesh, &reference, &Options::default(), watcher.progress())?;
+    watcher.finish();
+    print(arguments.json, &comparison, table::comparison)
 }

@@ -8,13 +8,20 @@ mod reconstruct;
 mod slice;
 mod table;
 
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
+use serde::Serialize;
 
 use crate::error::{Error, Result};
+use crate::ffi::threads;
 use crate::output;
+use crate::section::Sections;
 use args::{Arguments, Command};
+
+/// How many warnings are printed one by one.
+const WARNINGS: usize = 8;
 
 /// What Ctrl-C ends the program with, by the shells' convention.
 const INTERRUPTED: i32 = 130;
@@ -52,4 +59,46 @@ fn start() -> Result<()> {
         std::process::exit(INTERRUPTED);
     })
     .map_err(|error| Error::Option(format!("cannot listen for Ctrl-C: {error}")))
+}
+
+/// Makes rayon and TBB use so many threads; all processors without a number.
+fn limit_threads(count: Option<u32>) -> Result<()> {
+    let Some(count) = count.map(|count| count as usize) else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(count)
+        .build_global()
+        .map_err(|error| Error::Option(format!("{count} threads cannot be started: {error}")))?;
+    threads::limit_threads(count).map_err(|exception| Error::library("threads", &exception))
+}
+
+/// Prints a result to stdout, as JSON or as text. A reader that closes the
+/// pipe has seen enough.
+fn print<T: Serialize>(json: bool, value: &T, text: impl Fn(&T) -> String) -> Result<()> {
+    let text = if json {
+        serde_json::to_string_pretty(value)
+            .map_err(|error| Error::Bug { stage: "output", what: error.to_string() })?
+    } else {
+        text(value)
+    };
+    match writeln!(io::stdout(), "{}", text.trim_end()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::Option(format!("the result cannot be printed: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn print_warnings(sections: &Sections) {
+    let all = sections.warnings.iter().map(|warning| ("warning", warning));
+    let all = all.chain(sections.left_out.iter().map(|left_out| ("left out", left_out)));
+    for (word, warning) in all.clone().take(WARNINGS) {
+        match warning.section.as_str() {
+            "" => eprintln!("{word}: {}", warning.what),
+            section => eprintln!("{word}: section {section}: {}", warning.what),
+        }
+    }
+    let rest = all.count().saturating_sub(WARNINGS);
+    if rest > 0 {
+        eprintln!("warning: and {rest} more; `transect inspect` lists them all");
+    }
 }

@@ -30,9 +30,6 @@ mod bridge {
 
         /// Takes the leaves of a material out of the grid, in no certain order.
         fn take_material(grid: Pin<&mut Grid>, material: usize) -> Result<Leaves>;
-
-        /// How many threads OpenVDB uses from now on.
-        fn limit_threads(threads: usize) -> Result<()>;
     }
 }
 

@@ -66,17 +66,21 @@ impl<const N: usize, const FMA: bool> Feet<N, FMA> {
         let along = |direction: DVec3, offset: f64, lane: usize| {
             direction.x * x[lane] + (direction.y * y[lane] + (direction.z * z[lane] + offset))
         };
-        let [first, second] = frame.tangents;
-        let u: [_; N] = std::array::from_fn(|lane| split(along(first, 0.0, lane)));
-        let v: [_; N] = std::array::from_fn(|lane| split(along(second, 0.0, lane)));
-        let gamma = std::array::from_fn(|lane| {
-            (along(frame.normal, frame.offset, lane).abs() as f32).max(clearance)
-        });
-        Self {
-            coarse: [Lanes(u.map(|u| u.0)), Lanes(v.map(|v| v.0))],
-            rest: [Lanes(u.map(|u| u.1)), Lanes(v.map(|v| v.1))],
-            gamma,
+        let mut feet = Self {
+            coarse: [Lanes::splat(0.0); 2],
+            rest: [Lanes::splat(0.0); 2],
+            gamma: [clearance; N],
+        };
+        for lane in 0..N {
+            for axis in 0..2 {
+                let (coarse, rest) = split(along(frame.tangents[axis], 0.0, lane));
+                feet.coarse[axis].0[lane] = coarse;
+                feet.rest[axis].0[lane] = rest;
+            }
+            let gamma = along(frame.normal, frame.offset, lane).abs() as f32;
+            feet.gamma[lane] = gamma.max(clearance);
         }
+        feet
     }
 
     #[inline(always)]

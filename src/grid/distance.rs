@@ -7,9 +7,6 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::label::Label;
-use crate::mesh::Mesh;
-
 use super::invariant::node_index;
 use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 use super::winding::Columns;
@@ -32,19 +29,6 @@ pub struct NarrowBand {
     /// 512 values a leaf, in voxels, negative inside, cut off at
     /// ±[`HALF_WIDTH`].
     pub values: Vec<f32>,
-}
-
-/// The triangles around the union of some labels, oriented outward.
-pub fn boundary_of(mesh: &Mesh, within: impl Fn(Label) -> bool) -> Vec<[u32; 3]> {
-    let pick = |(&[a, b, c], &[back, front]): (&[u32; 3], &[Label; 2])| match [
-        within(back),
-        within(front),
-    ] {
-        [true, false] => Some([a, b, c]),
-        [false, true] => Some([a, c, b]),
-        _ => None,
-    };
-    mesh.triangles.iter().zip(&mesh.sides).filter_map(pick).collect()
 }
 
 /// The band around a closed mesh, on the nodes of a lattice.

@@ -5,18 +5,20 @@ use glam::DVec3;
 use crate::arrangement::Arrangement;
 use crate::plane::Bounds;
 
-use super::invariant::node_index;
+use super::invariant::node_offset;
 use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 
 /// In place of a cell for nodes that do not lie inside the box.
 pub(super) const NO_CELL: u32 = u32::MAX;
 
-/// The convex cells that divide a box.
+/// The cells that divide a box.
 pub(super) trait Cells: Sync {
     /// The box.
     fn bounds(&self) -> Bounds;
-    /// The cell of a point inside the box.
+    /// The cell of a point of the box.
     fn locate(&self, point: DVec3) -> u32;
+    /// Finds the cells of points of a region.
+    fn locator<'a>(&'a self, region: Bounds) -> Box<dyn Fn(DVec3) -> u32 + 'a>;
 }
 
 impl Cells for Arrangement {
@@ -27,58 +29,39 @@ impl Cells for Arrangement {
     fn locate(&self, point: DVec3) -> u32 {
         self.locate(point)
     }
+
+    fn locator<'a>(&'a self, region: Bounds) -> Box<dyn Fn(DVec3) -> u32 + 'a> {
+        let locator = self.locator(region);
+        match locator.only_cell() {
+            Some(cell) => Box::new(move |_| cell),
+            None => Box::new(move |point| locator.locate(point)),
+        }
+    }
 }
 
 /// The cell of a node, or [`NO_CELL`].
 pub(super) fn node_cell(cells: &dyn Cells, lattice: &Lattice, node: [i32; 3]) -> u32 {
     let point = lattice.position(node);
-    let bounds = cells.bounds();
-    let inside = point.cmpgt(bounds.min).all() && point.cmplt(bounds.max).all();
-    if inside { cells.locate(point) } else { NO_CELL }
+    if is_inside(cells.bounds(), point) { cells.locate(point) } else { NO_CELL }
 }
 
-/// The cells of a leaf's nodes. Cells are convex: where the corners of a
-/// block of nodes lie in one cell, the whole block does.
+/// The cells of a leaf's nodes.
 pub(super) fn leaf_cells(cells: &dyn Cells, lattice: &Lattice, at: [i32; 3]) -> Vec<u32> {
-    let mut found = vec![NO_CELL; LEAF_NODES];
-    let leaf = Blocks { cells, lattice, first: at.map(|at| at * LEAF_SIDE as i32) };
-    leaf.fill([0; 3], LEAF_SIDE, &mut found);
-    found
+    let node = |offset: [usize; 3]| {
+        let node = std::array::from_fn(|axis| (at[axis] * LEAF_SIDE as i32) + offset[axis] as i32);
+        lattice.position(node)
+    };
+    let region = Bounds { min: node([0; 3]), max: node([LEAF_SIDE - 1; 3]) };
+    let bounds = cells.bounds();
+    let locate = cells.locator(region);
+    let cell = |index| {
+        let point = node(node_offset(index));
+        if is_inside(bounds, point) { locate(point) } else { NO_CELL }
+    };
+    (0..LEAF_NODES).map(cell).collect()
 }
 
-struct Blocks<'a> {
-    cells: &'a dyn Cells,
-    lattice: &'a Lattice,
-    first: [i32; 3],
-}
-
-impl Blocks<'_> {
-    fn fill(&self, start: [usize; 3], side: usize, found: &mut [u32]) {
-        let corners: [[usize; 3]; 8] = std::array::from_fn(|corner| {
-            std::array::from_fn(|axis| start[axis] + (corner >> axis & 1) * (side - 1))
-        });
-        let cells = corners.map(|corner| self.cell(corner));
-        if side == 2 {
-            for (corner, cell) in corners.into_iter().zip(cells) {
-                found[node_index(corner)] = cell;
-            }
-        } else if cells[0] != NO_CELL && cells.iter().all(|&cell| cell == cells[0]) {
-            for node in 0..side * side * side {
-                let offset = [node / (side * side), node / side % side, node % side];
-                found[node_index(std::array::from_fn(|axis| start[axis] + offset[axis]))] =
-                    cells[0];
-            }
-        } else {
-            for corner in 0..8 {
-                let half: [usize; 3] =
-                    std::array::from_fn(|axis| start[axis] + (corner >> axis & 1) * (side / 2));
-                self.fill(half, side / 2, found);
-            }
-        }
-    }
-
-    fn cell(&self, offset: [usize; 3]) -> u32 {
-        let node = std::array::from_fn(|axis| self.first[axis] + offset[axis] as i32);
-        node_cell(self.cells, self.lattice, node)
-    }
+/// Whether a point is inside a box, and not on its border.
+pub(super) fn is_inside(bounds: Bounds, point: DVec3) -> bool {
+    point.cmpgt(bounds.min).all() && point.cmplt(bounds.max).all()
 }

@@ -14,6 +14,7 @@ use crate::section::Section;
 
 use super::contour::{corners, pierced_voxels};
 use super::invariant::{differs_near_face, faces, neighbor, node_index, node_offset};
+use super::locate::is_inside;
 use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples};
 use super::sampling::Margin;
 
@@ -158,9 +159,8 @@ fn fixed_nodes(
         for node in 0..LEAF_NODES {
             let offset = node_offset(node);
             let node_at = std::array::from_fn(|axis| at[axis] * side + offset[axis] as i32);
-            let point = lattice.position(node_at);
-            let inside = point.cmpgt(bounds.min).all() && point.cmplt(bounds.max).all();
-            words[node / 64] |= u64::from(!inside) << (node % 64);
+            let outside = !is_inside(bounds, lattice.position(node_at));
+            words[node / 64] |= u64::from(outside) << (node % 64);
         }
     });
     for node in pierced_voxels(sections, lattice).into_iter().flat_map(corners) {

@@ -6,7 +6,7 @@ use cxx::UniquePtr;
 
 use crate::error::{Error, Result};
 use crate::ffi::vdb as ffi;
-use crate::grid::distance::{HALF_WIDTH, boundary_of, narrow_band};
+use crate::grid::distance::{HALF_WIDTH, narrow_band};
 use crate::grid::samples::{Lattice, Leaf, Samples};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
@@ -120,8 +120,8 @@ impl<'a> Builder<'a> {
     }
 
     /// The distance to the surface of the union of some labels.
-    fn add_level_set(&mut self, name: &str, within: impl Fn(Label) -> bool) -> Result<()> {
-        let triangles = boundary_of(self.contents.mesh, within);
+    fn add_level_set(&mut self, name: &str, within: impl Fn(Label) -> bool + Sync) -> Result<()> {
+        let triangles = self.contents.mesh.triangles_around(within);
         if let Some((same, _)) = self.level_sets.iter().find(|(_, other)| *other == triangles) {
             return ffi::add_alias(self.volumes.pin_mut(), same, name).map_err(library);
         }

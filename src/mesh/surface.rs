@@ -19,8 +19,15 @@ impl Mesh {
 
     /// The boundary of the union of all labels that `inside` says yes to.
     pub fn surface_of(&self, inside: impl Fn(Label) -> bool + Sync) -> Surface {
-        let triangles: Vec<[u32; 3]> = self
-            .triangles
+        let triangles = self.triangles_around(inside);
+        let corners = Corners::joined(&triangles);
+        corners.into_surface(self, &triangles)
+    }
+
+    /// The triangles around the union of all labels that `inside` says yes
+    /// to, oriented outward.
+    pub fn triangles_around(&self, inside: impl Fn(Label) -> bool + Sync) -> Vec<[u32; 3]> {
+        self.triangles
             .par_iter()
             .zip(&self.sides)
             .filter_map(|(&[a, b, c], &[back, front])| match (inside(back), inside(front)) {
@@ -28,9 +35,7 @@ impl Mesh {
                 (false, true) => Some([a, c, b]),
                 _ => None,
             })
-            .collect();
-        let corners = Corners::joined(&triangles);
-        corners.into_surface(self, &triangles)
+            .collect()
     }
 }
 

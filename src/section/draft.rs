@@ -36,7 +36,7 @@ impl<'a> Draft<'a> {
             return Err(draft.error("its plane has a zero normal: correct the plane"));
         }
         let length = normal.length_squared();
-        if !length.is_normal() || length > LARGEST || length < 1.0 / LARGEST {
+        if !(1.0 / LARGEST..=LARGEST).contains(&length) {
             return Err(draft.error(format!(
                 "the length of its plane's normal {normal} is out of range: scale normal and offset"
             )));

@@ -239,10 +239,10 @@ impl Faces<'_> {
         let mut stray: BTreeMap<[usize; 2], Common> = BTreeMap::new();
         for (face, windings) in self.windings.iter().enumerate() {
             for &(curve, _) in windings.iter().filter(|pair| odd(pair.1)) {
-                if let Some(parent) = self.loops[curve as usize].hole_of {
-                    if !odd(times(windings, parent as u32)) {
-                        stray.entry([curve as usize, parent]).or_default().add(face, areas[face]);
-                    }
+                let hole = curve as usize;
+                let parent = self.loops[hole].hole_of;
+                if let Some(parent) = parent.filter(|&outer| !odd(times(windings, outer as u32))) {
+                    stray.entry([hole, parent]).or_default().add(face, areas[face]);
                 }
             }
         }

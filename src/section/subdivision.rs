@@ -285,24 +285,29 @@ impl Subdivision {
             })
             .filter(|edge| edge.left != edge.right)
             .collect();
-        let mut used = vec![false; self.points.len()];
-        for edge in &edges {
-            used[edge.start as usize] = true;
-            used[edge.end as usize] = true;
-        }
-        let mut numbers = vec![0; self.points.len()];
-        let mut vertices = Vec::new();
-        for point in (0..self.points.len()).filter(|&point| used[point]) {
-            numbers[point] = vertices.len() as u32;
-            vertices.push(self.points[point]);
-        }
-        for edge in &mut edges {
-            edge.start = numbers[edge.start as usize];
-            edge.end = numbers[edge.end as usize];
-        }
+        let vertices = keep_used(&self.points, &mut edges);
         let background = labels[UNBOUNDED];
         Section { name: draft.name.to_owned(), plane: draft.plane, vertices, edges, background }
     }
+}
+
+/// The points that edges end in, in their order; the edges are renumbered.
+fn keep_used(points: &[DVec2], edges: &mut [Edge]) -> Vec<DVec2> {
+    let mut numbers = vec![u32::MAX; points.len()];
+    for edge in edges.iter() {
+        numbers[edge.start as usize] = 0;
+        numbers[edge.end as usize] = 0;
+    }
+    let mut vertices = Vec::new();
+    for point in (0..points.len()).filter(|&point| numbers[point] == 0).collect::<Vec<_>>() {
+        numbers[point] = vertices.len() as u32;
+        vertices.push(points[point]);
+    }
+    for edge in edges {
+        edge.start = numbers[edge.start as usize];
+        edge.end = numbers[edge.end as usize];
+    }
+    vertices
 }
 
 /// An edge, directed as the first segment along it, and that segment.

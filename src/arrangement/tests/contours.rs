@@ -1,5 +1,6 @@
 //! Labelled regions on faces.
 
+use super::super::{Face, FaceEdge};
 use super::*;
 
 const HORIZONTAL: [f64; 3] = [0.0, 0.0, 1.0];
@@ -14,16 +15,15 @@ fn cut_rectangle(points: &[DVec2], cut: f64) -> Arrangement {
 /// Label areas on the faces of plane 0 from small x to large.
 fn areas_by_x(arrangement: &Arrangement) -> Vec<f64> {
     let mut faces = faces_on(arrangement, 0);
-    let least = |face: &super::super::Face| {
-        face.edges.iter().map(|edge| edge.start.x).fold(f64::INFINITY, f64::min)
-    };
+    let least =
+        |face: &Face| face.edges.iter().map(|edge| edge.start.x).fold(f64::INFINITY, f64::min);
     faces.sort_by(|a, b| least(a).total_cmp(&least(b)));
     faces.iter().map(|face| face_area(face, Label(1))).collect()
 }
 
 /// Areas on a horizontal face.
-fn face_area(face: &super::super::Face, label: Label) -> f64 {
-    let part = |edge: &super::super::FaceEdge| edge.start.cross(edge.end).z / 2.0;
+fn face_area(face: &Face, label: Label) -> f64 {
+    let part = |edge: &FaceEdge| edge.start.cross(edge.end).z / 2.0;
     let left = face.edges.iter().filter(|edge| edge.left == label).map(part).sum::<f64>();
     let right = face.edges.iter().filter(|edge| edge.right == Some(label)).map(part).sum::<f64>();
     left - right
@@ -63,8 +63,7 @@ fn a_contour_vertex_may_lie_on_a_plane() {
     let touching = cut_rectangle(&rhombus, 0.25);
     assert_eq!(areas_by_x(&touching), [0.0, 0.125]);
     // Where the contour merely touches the border, the border stays whole.
-    let borders =
-        |face: &&super::super::Face| face.edges.iter().filter(|edge| edge.right.is_none()).count();
+    let borders = |face: &&Face| face.edges.iter().filter(|edge| edge.right.is_none()).count();
     assert_eq!(faces_on(&touching, 0).iter().map(borders).collect::<Vec<_>>(), [4, 4]);
 }
 
@@ -73,7 +72,7 @@ fn a_contour_edge_may_lie_on_a_plane() {
     let arrangement = cut_rectangle(&rectangle([0.25, 0.25], [0.5, 0.75]), 0.5);
     assert_eq!(areas_by_x(&arrangement), [0.125, 0.0]);
     for face in faces_on(&arrangement, 0) {
-        let on_line = |edge: &&super::super::FaceEdge| edge.start.x == 0.5 && edge.end.x == 0.5;
+        let on_line = |edge: &&FaceEdge| edge.start.x == 0.5 && edge.end.x == 0.5;
         let edges: Vec<_> = face.edges.iter().filter(on_line).collect();
         assert!(edges.iter().all(|edge| edge.right.is_none()));
         // Left of the line the label changes twice along it, right it does not.
@@ -212,4 +211,53 @@ fn random_contours_on_random_planes_keep_their_areas() {
             assert!((found - expected).abs() < 1e-12, "section {i}: {found}, not {expected}");
         }
     }
+}
+
+/// Whether two planes with small whole numbers are the same.
+fn coincide(a: &Plane, b: &Plane) -> bool {
+    a.normal.cross(b.normal) == DVec3::ZERO && a.normal * b.offset == b.normal * a.offset
+}
+
+/// Planes and rectangles with coordinates from so few numbers that many meet
+/// in common points and lines, with corners and edges of the box among them.
+#[test]
+fn coarse_coordinates_make_every_coincidence() {
+    let mut random = Random(5);
+    let mut whole = |low: f64, high: f64| random.between(low, high + 1.0).floor();
+    for round in 0..60 {
+        let mut sections: Vec<Section> = Vec::new();
+        for _ in 0..4 + round / 3 {
+            let normal = DVec3::new(whole(-2.0, 2.0), whole(-2.0, 2.0), whole(-1.0, 1.0));
+            let plane = Plane { normal, offset: whole(-4.0, 4.0) / 2.0 };
+            if normal == DVec3::ZERO || sections.iter().any(|s| coincide(&s.plane, &plane)) {
+                continue;
+            }
+            let min = [whole(-5.0, 2.0) / 4.0, whole(-5.0, 2.0) / 4.0];
+            let max = min.map(|least| least + whole(1.0, 4.0) / 4.0);
+            sections.push(drawn("coarse", plane, &[(&rectangle(min, max), 1 + round)]));
+        }
+        arrange(&sections, CENTERED);
+    }
+}
+
+#[test]
+fn the_sanity_check_notices_what_is_wrong() {
+    let square = rectangle([0.25, 0.25], [0.5, 0.75]);
+    let section = drawn("drawn", plane(HORIZONTAL, 0.5), &[(&square, 1)]);
+    let sound = arrange(&[section, empty(plane([1.0, 0.5, 0.0], 0.75))], UNIT);
+    let drawn = sound.faces().iter().position(|face| face.labels.len() == 2).unwrap();
+    let after = |change: &dyn Fn(&mut Arrangement)| {
+        let mut changed = sound.clone();
+        change(&mut changed);
+        changed.sanity_check().unwrap_err()
+    };
+    let says = |text: String, part: &str| assert!(text.contains(part), "{text}");
+    says(after(&|a| a.cells.truncate(3)), "V − E + F − C");
+    says(after(&|a| a.faces[0].cells[1] = None), "face 0 has the cells");
+    says(after(&|a| a.topology.cells.swap(0, 1)), "is not a corner of its cell 0");
+    says(after(&|a| a.cells[2].faces.truncate(4)), "do not close around it");
+    says(after(&|a| a.faces[drawn].edges.truncate(5)), "of a region of face");
+    let turned = |edge: &mut FaceEdge| std::mem::swap(&mut edge.start, &mut edge.end);
+    says(after(&|a| a.faces[drawn].edges.iter_mut().for_each(turned)), "have the areas");
+    says(after(&|a| a.faces[drawn].edges[0].left = Label(9)), "does not list its label 9");
 }

@@ -154,7 +154,9 @@ fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::batch::{Batch, Limits, batches};
-    use super::normalise;
+    use super::{Adapter, Gpu, normalise};
+    use crate::error::Error;
+    use crate::field::Field;
     use crate::field::fixture::{Random, Stack, busy_stack};
     use crate::field::packing::pack;
     use crate::field::{Queries, Run};
@@ -241,5 +243,26 @@ mod tests {
         assert!(!normalise(&weights, &batches[0], &mut values));
         weights[4..8].fill(f32::NAN);
         assert!(!normalise(&weights, &batches[0], &mut values));
+    }
+
+    /// Plausible numbers that are not the field's are noticed too.
+    #[test]
+    fn stale_results_are_noticed() {
+        let mut random = Random(31);
+        let stack = busy_stack(&mut random, 3, 10);
+        let arrangement = stack.arrangement();
+        let gpu = match Gpu::new(&arrangement, 1e-6, Adapter::Any) {
+            Ok(gpu) => gpu,
+            Err(Error::Device(_)) => return println!("skipped: no wgpu adapter"),
+            Err(other) => panic!("{other}"),
+        };
+        let queries = stack.queries(&mut random, 3000);
+        let right = gpu.evaluate(&queries).unwrap();
+        let stale: Vec<f32> = right.iter().map(|f| f * 0.5).collect();
+        for batch in batches(gpu.cpu.cells(), &queries, gpu.limits) {
+            gpu.spot_check(&queries, &batch, &right).unwrap();
+            let error = gpu.spot_check(&queries, &batch, &stale).unwrap_err();
+            assert!(error.to_string().contains("use --device cpu"), "{error}");
+        }
     }
 }

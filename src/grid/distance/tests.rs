@@ -84,11 +84,3 @@ fn large_triangles_count_once_and_everywhere() {
         }
     }
 }
-
-#[test]
-fn the_boundary_of_a_label_points_outward() {
-    let sides = vec![[Label(1), Label(0)], [Label(1), Label(2)], [Label(2), Label(0)]];
-    let mesh = Mesh { vertices: vec![DVec3::ZERO; 3], triangles: vec![[0, 1, 2]; 3], sides };
-    assert_eq!(boundary_of(&mesh, |label| label == Label(2)), [[0, 2, 1], [0, 1, 2]]);
-    assert_eq!(boundary_of(&mesh, Label::is_material), [[0, 1, 2]; 2]);
-}

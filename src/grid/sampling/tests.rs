@@ -35,6 +35,14 @@ impl Field for Balls {
         &self.labels[cell as usize]
     }
 
+    fn edges(&self, cell: u32) -> u64 {
+        u64::from(cell == 0)
+    }
+
+    fn name(&self) -> String {
+        "balls".to_owned()
+    }
+
     fn evaluate(&self, queries: &Queries) -> Result<Vec<f32>> {
         let points = queries.runs.iter().flat_map(|run| {
             assert_eq!(run.cell, 0, "a cell of one label needs no evaluation");
@@ -62,6 +70,10 @@ impl Cells for Halves {
 
     fn locate(&self, point: DVec3) -> u32 {
         u32::from(point.x > self.split)
+    }
+
+    fn locator<'a>(&'a self, _region: Bounds) -> Box<dyn Fn(DVec3) -> u32 + 'a> {
+        Box::new(|point| self.locate(point))
     }
 }
 

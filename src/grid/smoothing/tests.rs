@@ -1,6 +1,7 @@
 use glam::{DVec2, DVec3};
 
 use super::*;
+use crate::ffi::threads::limit_threads;
 use crate::plane::Plane;
 use crate::section::Edge;
 
@@ -170,9 +171,9 @@ fn the_number_of_threads_changes_nothing() {
     let bounds = Bounds { min: DVec3::splat(-18.0), max: DVec3::splat(18.0) };
     let run = || smoothed(rippled(LABEL, Label(2)), &[], bounds, 6).unwrap();
     let free = run();
-    ffi::limit_threads(1).unwrap();
+    limit_threads(1).unwrap();
     let single = run();
-    ffi::limit_threads(64).unwrap();
+    limit_threads(64).unwrap();
     assert_eq!(free, single);
 }
 

@@ -1,0 +1,161 @@
+//! Results as short tables.
+
+use std::fmt::Write;
+
+use crate::check::LabelCheck;
+use crate::compare::Comparison;
+use crate::report::Report;
+
+/// How many labels are shown.
+const LABELS: usize = 24;
+
+/// Prints a report to stderr.
+pub fn print(report: &Report) {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_report(&mut text, report);
+    eprint!("{text}");
+}
+
+fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
+    let [x, y, z] = report.nodes;
+    writeln!(
+        out,
+        "{} sections, grid {x} × {y} × {z}, voxel {:.6}{}{}, field on {}",
+        report.sections,
+        report.voxel,
+        if report.units.is_empty() { "" } else { " " },
+        report.units,
+        report.device
+    )?;
+    writeln!(out)?;
+    writeln!(
+        out,
+        "{:<24}{:>14}{:>14}{:>12}{:>8}  closed",
+        "label", "volume", "area", "components", "genus"
+    )?;
+    for label in report.check.labels.iter().take(LABELS) {
+        write_label(out, report, label)?;
+    }
+    let rest = report.check.labels.len().saturating_sub(LABELS);
+    if rest > 0 {
+        writeln!(out, "… and {rest} more labels")?;
+    }
+    write_agreement(out, report)?;
+    write_stages(out, report)
+}
+
+fn write_label(out: &mut String, report: &Report, label: &LabelCheck) -> std::fmt::Result {
+    let material = report.materials.iter().find(|material| material.id == label.label);
+    let name = material.map_or_else(|| label.label.to_string(), |found| found.name.clone());
+    let name: String = name.chars().take(23).collect();
+    let facts = &label.facts;
+    writeln!(
+        out,
+        "{name:<24}{:>14}{:>14}{:>12}{:>8}  {}",
+        number(facts.volume),
+        number(facts.area),
+        facts.components,
+        facts.genus,
+        if facts.closed && facts.outward { "yes" } else { "NO" }
+    )
+}
+
+fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
+    let check = &report.check;
+    writeln!(out)?;
+    writeln!(out, "section Dice     mean {:.4}, least {:.4}", check.dice.mean, check.dice.min)?;
+    writeln!(
+        out,
+        "contour distance mean {:.2}, largest {:.2} voxels",
+        check.contours.mean, check.contours.largest
+    )?;
+    let thin: usize = check.contours.thin.iter().map(|place| place.vertices).sum();
+    if thin > 0 {
+        writeln!(out, "too thin for the grid: {thin} contour vertices (--report lists them)")?;
+    }
+    if !report.disagreements.is_empty() {
+        writeln!(
+            out,
+            "{} pairs of sections contradict each other (`transect inspect` lists them)",
+            report.disagreements.len()
+        )?;
+    }
+    Ok(())
+}
+
+fn write_stages(out: &mut String, report: &Report) -> std::fmt::Result {
+    writeln!(out)?;
+    for stage in &report.stages {
+        let counts: Vec<String> =
+            stage.counts.iter().map(|(name, count)| format!("{} {name}", grouped(*count))).collect();
+        writeln!(
+            out,
+            "{:<12}{:>8.2} s {:>9}  {}",
+            stage.name,
+            stage.seconds,
+            mebibytes(stage.peak_memory),
+            counts.join(", ")
+        )?;
+    }
+    let (seconds, memory) = (report.seconds, mebibytes(report.peak_memory));
+    writeln!(out, "{:<12}{seconds:>8.2} s {memory:>9}", "all")
+}
+
+/// A comparison as text.
+pub fn comparison(comparison: &Comparison) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_comparison(&mut text, comparison);
+    text
+}
+
+fn write_comparison(out: &mut String, comparison: &Comparison) -> std::fmt::Result {
+    let Comparison { to_reference: to, from_reference: from, .. } = comparison;
+    writeln!(out, "IoU            {:.5}", comparison.iou)?;
+    writeln!(
+        out,
+        "Hausdorff      {:.6}  (to the reference {:.6}, from it {:.6})",
+        comparison.hausdorff, to.max, from.max
+    )?;
+    writeln!(
+        out,
+        "mean distance  {:.6}  (to the reference {:.6}, from it {:.6})",
+        comparison.chamfer, to.mean, from.mean
+    )?;
+    writeln!(out, "volume ratio   {:.5}", comparison.volume_ratio)?;
+    writeln!(out, "area ratio     {:.5}", comparison.area_ratio)?;
+    writeln!(
+        out,
+        "distances are relative to the reference's diagonal of {}",
+        number(comparison.diagonal)
+    )?;
+    comparison.warnings.iter().try_for_each(|warning| writeln!(out, "warning: {warning}"))
+}
+
+/// Six significant digits.
+fn number(value: f64) -> String {
+    let digits = value.abs().max(1e-300).log10().floor();
+    if (-4.0..6.0).contains(&digits) {
+        format!("{value:.*}", (5.0 - digits) as usize)
+    } else {
+        format!("{value:.5e}")
+    }
+}
+
+/// Groups of three digits.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn mebibytes(bytes: u64) -> String {
+    format!("{} MiB", bytes.div_ceil(1 << 20))
+}

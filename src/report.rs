@@ -1,0 +1,82 @@
+//! What a reconstruction is worth, for people and for programs. The JSON form
+//! is described in `docs/report.md`.
+
+use serde::Serialize;
+
+use crate::check::Check;
+use crate::ffi::measure::library_versions;
+use crate::model::{Derived, Model};
+use crate::section::{Disagreement, Warning};
+use crate::stage::{Stage, Stages};
+
+/// The version of the JSON form.
+const VERSION: u32 = 1;
+
+/// Everything there is to say about a reconstruction.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Always `"report"`.
+    pub transect: &'static str,
+    /// The version of this form.
+    pub version: u32,
+    /// The program's version and those of the libraries it was built with.
+    pub program: String,
+    /// The files that the sections came from.
+    pub files: Vec<String>,
+    /// How many sections there are.
+    pub sections: usize,
+    /// The unit of length; empty when unknown.
+    pub units: String,
+    /// The frame of the coordinates; empty when unknown.
+    pub frame: String,
+    /// The names of the materials, by number.
+    pub materials: Vec<crate::label::Material>,
+    /// What evaluated the field.
+    pub device: String,
+    /// The grid's nodes along each axis.
+    pub nodes: [i32; 3],
+    /// The side of a voxel, in world units.
+    pub voxel: f64,
+    /// What the result is worth.
+    pub check: Check,
+    /// What was doubtful about the sections.
+    pub warnings: Vec<Warning>,
+    /// What was left out of them.
+    pub left_out: Vec<Warning>,
+    /// Where sections contradict each other along their common lines.
+    pub disagreements: Vec<Disagreement>,
+    /// What each stage took.
+    pub stages: Vec<Stage>,
+    /// All stages together, by the wall clock.
+    pub seconds: f64,
+    /// The largest resident size of the program, in bytes; 0 where the system
+    /// does not tell.
+    pub peak_memory: u64,
+}
+
+impl Report {
+    /// The report of a model that was derived and checked.
+    pub fn new(model: &Model, derived: &Derived, check: Check, stages: &Stages) -> Self {
+        let sections = model.sections();
+        Self {
+            transect: "report",
+            version: VERSION,
+            program: format!("transect {}, {}", env!("CARGO_PKG_VERSION"), library_versions()),
+            files: sections.files.iter().map(|file| file.display().to_string()).collect(),
+            sections: sections.sections.len(),
+            units: sections.units.clone(),
+            frame: sections.frame.clone(),
+            materials: sections.materials.clone(),
+            device: derived.device.clone(),
+            nodes: derived.samples.lattice.dims,
+            voxel: derived.samples.lattice.voxel,
+            check,
+            warnings: sections.warnings.clone(),
+            left_out: sections.left_out.clone(),
+            disagreements: sections.disagreements(),
+            stages: stages.stages.clone(),
+            seconds: stages.seconds(),
+            peak_memory: stages.peak_memory(),
+        }
+    }
+}
