@@ -44,7 +44,9 @@ pub struct Contours {
     /// Where the vertices beyond [`LIMIT`] are that count.
     pub far: Vec<Place>,
     /// Vertices beyond [`LIMIT`] that do not count, since the contour is
-    /// thinner there than the lattice can show ([`is_thin`]).
+    /// thinner there than the lattice can show: no disc of two voxels' diameter
+    /// within the label, or none within one other label, comes within one voxel
+    /// of the vertex.
     pub thin: Vec<Place>,
 }
 

@@ -87,8 +87,11 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
 fn write_stages(out: &mut String, report: &Report) -> std::fmt::Result {
     writeln!(out)?;
     for stage in &report.stages {
-        let counts: Vec<String> =
-            stage.counts.iter().map(|(name, count)| format!("{} {name}", grouped(*count))).collect();
+        let counts: Vec<String> = stage
+            .counts
+            .iter()
+            .map(|(name, count)| format!("{} {name}", grouped(*count)))
+            .collect();
         writeln!(
             out,
             "{:<12}{:>8.2} s {:>9}  {}",
