@@ -58,8 +58,8 @@ fn cut(sweep: &Sweep, number: u32) -> (String, Plane) {
     (format!("{} {}", sweep.name, number + 1), Plane { normal, offset: normal.dot(through) })
 }
 
-/// A triangle wave between −1 and 1 with period 16.
+/// A triangle wave between −1 and 1 with period 32.
 fn wobble(number: u32) -> f64 {
-    let phase = f64::from(number % 16) / 16.0;
+    let phase = f64::from(number % 32) / 32.0;
     4.0 * (phase - 0.5).abs() - 1.0
 }
