@@ -142,8 +142,8 @@ fn queries(arrangement: &Arrangement, field: &dyn Field, count: usize) -> Querie
         let start = queries.points.len();
         let faces = &arrangement.cells()[cell as usize].faces;
         let corners = || faces.iter().flat_map(|&face| arrangement.outline(face));
-        let middle =
-            corners().fold(glam::DVec3::ZERO, |sum, &corner| sum + corner) / corners().count() as f64;
+        let middle = corners().fold(glam::DVec3::ZERO, |sum, &corner| sum + corner)
+            / corners().count() as f64;
         for place in 0..each {
             let outline = arrangement.outline(faces[place % faces.len()]);
             let goal = outline[place % outline.len()];
