@@ -8,9 +8,12 @@ use glam::DVec3;
 
 use transect::label::{Label, Material};
 
+/// Number, name and colour, and a function that is negative inside.
+type Organ = (u32, &'static str, [u8; 3], fn(DVec3) -> f64);
+
 /// The organs in the order of precedence: where two overlap, the earlier one
 /// is there. So neighbours share their border exactly.
-const ORGANS: [(u32, &str, [u8; 3], fn(DVec3) -> f64); 7] = [
+const ORGANS: [Organ; 7] = [
     (1, "vessels", [0xc8, 0x4b, 0x4b], vessels),
     (2, "spine", [0xe6, 0xd8, 0xb4], spine),
     (3, "liver", [0xa8, 0x60, 0x50], liver),
