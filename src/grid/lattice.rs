@@ -28,17 +28,16 @@ impl Lattice {
         let voxel = voxel_size(bounds, resolution)?;
         let origin = bounds.min - OFFSET * voxel;
         let mut dims = [0; 3];
-        for axis in 0..3 {
+        for (nodes, size) in dims.iter_mut().zip(bounds.size().to_array()) {
             // The smallest whole number of voxels that leads past the box.
-            let last = (bounds.size()[axis] / voxel + OFFSET).floor() + 1.0;
+            let last = (size / voxel + OFFSET).floor() + 1.0;
             if last > f64::from(i32::MAX - 2 * LEAF_SIDE as i32) {
                 return Err(Error::Option(format!(
-                    "voxels of {voxel} are too small for a box of {}: the grid would have {last:.0} \
-                     nodes on one side; use a lower --resolution or a larger --voxel-size",
-                    bounds.size()[axis]
+                    "voxels of {voxel} are too small for a box of {size}: the grid would have \
+                     {last:.0} nodes on one side; use a lower --resolution or a larger --voxel-size"
                 )));
             }
-            dims[axis] = last as i32 + 1;
+            *nodes = last as i32 + 1;
         }
         Ok(Self { origin, voxel, dims })
     }
