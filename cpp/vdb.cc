@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "transect/cpp/eikonal.h"
 #include "transect/src/ffi/vdb.rs.h"
 
 namespace transect::vdb {
@@ -187,6 +188,7 @@ void add_level_set(Volumes& volumes, rust::Str name, double half_width,
   }
   openvdb::tools::signedFloodFill(grid->tree());
   volumes.grids->add(grid, name, openvdb::GRID_LEVEL_SET);
+  settle_gradients(*grid);
 }
 
 void add_alias(Volumes& volumes, rust::Str from, rust::Str name) {

@@ -7,8 +7,7 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::invariant::node_index;
-use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
+use super::samples::{LEAF_SIDE, Lattice};
 use super::winding::Columns;
 
 mod triangle;
@@ -47,22 +46,20 @@ pub fn narrow_band(lattice: &Lattice, vertices: &[DVec3], triangles: &[[u32; 3]]
 
 /// The values of a leaf, unless none is in the band.
 fn band_leaf(bins: &Bins, columns: &Columns, at: [i32; 3]) -> Option<Vec<f32>> {
-    let mut squares = [(HALF_WIDTH * HALF_WIDTH) as f32; LEAF_NODES];
-    for triangle in bins.near(at) {
-        nearest(&Triangle::new(triangle.map(|vertex| vertex - first_node(at))), &mut squares);
-    }
     let beyond = (HALF_WIDTH * HALF_WIDTH) as f32;
-    if squares.iter().all(|&square| square >= beyond) {
+    let mut squares = [[beyond; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE];
+    for triangle in bins.near(at) {
+        nearest(&Triangle::new(triangle), &mut squares);
+    }
+    if squares.as_flattened().iter().all(|&square| square >= beyond) {
         return None;
     }
-    let mut values = squares.map(f32::sqrt).to_vec();
-    for column in 0..LEAF_SIDE * LEAF_SIDE {
-        let [x, y] = [column / LEAF_SIDE, column % LEAF_SIDE];
+    let mut values: Vec<f32> = squares.as_flattened().iter().map(|square| square.sqrt()).collect();
+    for (row, values) in values.chunks_exact_mut(LEAF_SIDE).enumerate() {
+        let [x, y] = [row / LEAF_SIDE, row % LEAF_SIDE].map(|offset| offset as i32);
         let mut inside = [false; LEAF_SIDE];
-        let place = [at[0] * SIDE + x as i32, at[1] * SIDE + y as i32];
-        columns.fill(place, at[2] * SIDE, &mut inside);
-        for (z, _) in inside.iter().enumerate().filter(|(_, inside)| **inside) {
-            let value = &mut values[node_index([x, y, z])];
+        columns.fill([at[0] * SIDE + x, at[1] * SIDE + y], at[2] * SIDE, &mut inside);
+        for (value, _) in values.iter_mut().zip(inside).filter(|(_, inside)| *inside) {
             *value = -*value;
         }
     }
@@ -70,21 +67,20 @@ fn band_leaf(bins: &Bins, columns: &Columns, at: [i32; 3]) -> Option<Vec<f32>> {
 }
 
 /// Lowers squared distances to those from a triangle, where it is near.
-fn nearest(triangle: &Triangle, squares: &mut [f32; LEAF_NODES]) {
+fn nearest(triangle: &Triangle, squares: &mut [[f32; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE]) {
+    let reach = HALF_WIDTH as f32;
     let nodes = |axis: usize| -> Range<usize> {
-        let reach = HALF_WIDTH as f32;
         let from = (triangle.min[axis] - reach).ceil().clamp(0.0, LEAF_SIDE as f32) as usize;
         let to = (triangle.max[axis] + reach).floor().clamp(-1.0, LEAF_SIDE as f32 - 1.0);
         from..(to + 1.0) as usize
     };
-    if nodes(2).is_empty() {
-        return;
-    }
     for x in nodes(0) {
+        let gap_x = triangle.gap(0, x as f32);
         for y in nodes(1) {
-            let start = node_index([x, y, 0]);
-            let row = &mut squares[start..start + LEAF_SIDE];
-            triangle.lower_row([x as f32, y as f32], row);
+            let gap_y = triangle.gap(1, y as f32);
+            if gap_x * gap_x + gap_y * gap_y < reach * reach {
+                triangle.lower_row([x as f32, y as f32], &mut squares[x * LEAF_SIDE + y]);
+            }
         }
     }
 }
@@ -138,17 +134,25 @@ impl<'a> Bins<'a> {
         leaves
     }
 
-    /// The triangles in a leaf and the leaves around it, each once.
+    /// The triangles that may reach nodes of a leaf, each once, in voxels
+    /// from its first node.
     fn near(&self, at: [i32; 3]) -> impl Iterator<Item = [DVec3; 3]> + '_ {
         let bin = |leaf: [i32; 3]| self.leaves.binary_search_by_key(&leaf, |bin| bin.0).ok();
         let entries =
             around(at).filter_map(bin).flat_map(|bin| &self.entries[self.leaves[bin].1.clone()]);
+        let first = first_node(at);
+        let last = DVec3::splat(LEAF_SIDE as f64 - 1.0 + HALF_WIDTH);
         entries.filter_map(move |&(leaf, triangle)| {
             let corners = self.triangles[triangle as usize].map(|v| self.vertices[v as usize]);
+            let local = corners.map(|corner| corner - first);
+            let [min, max] = box_of(local);
+            if max.cmplt(DVec3::splat(-HALF_WIDTH)).any() || min.cmpgt(last).any() {
+                return None;
+            }
             let [from, to] = leaf_range(corners);
             // Of all leaves that hold it, the nearest one.
-            let first = std::array::from_fn(|axis| at[axis].clamp(from[axis], to[axis]));
-            (leaf == first).then_some(corners)
+            let nearest = std::array::from_fn(|axis| at[axis].clamp(from[axis], to[axis]));
+            (leaf == nearest).then_some(local)
         })
     }
 }
@@ -161,9 +165,14 @@ fn around(at: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
 
 /// The first and the last leaf that a triangle's box overlaps.
 fn leaf_range(corners: [DVec3; 3]) -> [[i32; 3]; 2] {
-    let leaf = |point: DVec3| (point / f64::from(SIDE)).floor().to_array().map(|at| at as i32);
-    let [a, b, c] = corners;
-    [leaf(a.min(b).min(c)), leaf(a.max(b).max(c))]
+    box_of(corners)
+        .map(|corner| (corner / f64::from(SIDE)).floor().to_array().map(|leaf| leaf as i32))
+}
+
+/// The corners of a triangle's box with the smallest and the largest
+/// coordinates.
+fn box_of([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
 }
 
 #[cfg(test)]

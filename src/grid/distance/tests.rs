@@ -1,4 +1,5 @@
 use super::*;
+use crate::grid::samples::LEAF_NODES;
 
 /// An octahedron refined onto a sphere, seen from outside counter-clockwise.
 pub(crate) fn sphere(center: DVec3, radius: f64, rounds: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {

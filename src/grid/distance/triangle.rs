@@ -52,11 +52,16 @@ impl Triangle {
         }
     }
 
+    /// How far a coordinate is from the triangle's box.
+    pub(super) fn gap(&self, axis: usize, at: f32) -> f32 {
+        (self.min[axis] - at).max(at - self.max[axis]).max(0.0)
+    }
+
     /// Lowers the squared distances of the nodes (x, y, 0…7). No branches:
     /// the compiler makes vectors of the row.
-    pub(super) fn lower_row(&self, [x, y]: [f32; 2], squares: &mut [f32]) {
-        for (z, square) in squares.iter_mut().enumerate().take(LEAF_SIDE) {
-            *square = square.min(self.square(Vec3::new(x, y, z as f32)));
+    pub(super) fn lower_row(&self, [x, y]: [f32; 2], squares: &mut [f32; LEAF_SIDE]) {
+        for (z, square) in squares.iter_mut().enumerate() {
+            *square = smaller(*square, self.square(Vec3::new(x, y, z as f32)));
         }
     }
 
@@ -68,13 +73,26 @@ impl Triangle {
         let mut inward = f32::INFINITY;
         for (corner, edge) in self.corners.iter().zip(&self.edges) {
             let from = point - *corner;
-            let along = (from.dot(edge.along) * edge.inverse_square).clamp(0.0, 1.0);
-            to_edges = to_edges.min((from - along * edge.along).length_squared());
-            inward = inward.min(from.dot(edge.inward));
+            let along = from.dot(edge.along) * edge.inverse_square;
+            let along = smaller(1.0, larger(0.0, along));
+            to_edges = smaller(to_edges, (from - along * edge.along).length_squared());
+            inward = smaller(inward, from.dot(edge.inward));
         }
         let height = (point - self.corners[0]).dot(self.normal);
         if inward >= self.inside_from { height * height } else { to_edges }
     }
+}
+
+/// `f32::min` without its care for NaN, which costs instructions.
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// `f32::max` likewise.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 #[cfg(test)]
