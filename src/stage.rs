@@ -66,4 +66,9 @@ impl Stages {
     pub fn seconds_of(&self, name: &str) -> f64 {
         self.stages.iter().filter(|stage| stage.name == name).map(|stage| stage.seconds).sum()
     }
+
+    /// The sum of a count over all stages.
+    pub fn count_of(&self, what: &str) -> u64 {
+        self.stages.iter().filter_map(|stage| stage.counts.get(what)).sum()
+    }
 }

@@ -8,9 +8,12 @@ use glam::DVec3;
 
 use transect::label::{Label, Material};
 
+/// Number, name and colour, and a function that is negative inside.
+type Organ = (u32, &'static str, [u8; 3], fn(DVec3) -> f64);
+
 /// The organs in the order of precedence: where two overlap, the earlier one
 /// is there. So neighbours share their border exactly.
-const ORGANS: [(u32, &str, [u8; 3], fn(DVec3) -> f64); 7] = [
+const ORGANS: [Organ; 7] = [
     (1, "vessels", [0xc8, 0x4b, 0x4b], vessels),
     (2, "spine", [0xe6, 0xd8, 0xb4], spine),
     (3, "liver", [0xa8, 0x60, 0x50], liver),
@@ -58,11 +61,11 @@ fn blend(one: f64, other: f64, fillet: f64) -> f64 {
 /// A trunk that forks below, with a branch that runs into the liver.
 fn vessels(place: DVec3) -> f64 {
     const FORK: [f64; 3] = [6.0, 26.0, -28.0];
-    let trunk = rod(place, [10.0, 26.0, 84.0], FORK, 10.0);
-    let left = rod(place, FORK, [44.0, 14.0, -84.0], 8.0);
-    let right = rod(place, FORK, [-34.0, 14.0, -84.0], 8.0);
-    let stem = rod(place, [8.0, 26.0, 34.0], [-16.0, 2.0, 34.0], 6.5);
-    let twig = rod(place, [-16.0, 2.0, 34.0], [-58.0, -14.0, 44.0], 6.0);
+    let trunk = rod(place, [10.0, 26.0, 84.0], FORK, 11.5);
+    let left = rod(place, FORK, [36.0, 16.0, -84.0], 9.5);
+    let right = rod(place, FORK, [-28.0, 16.0, -84.0], 9.5);
+    let stem = rod(place, [8.0, 26.0, 34.0], [-16.0, 2.0, 34.0], 8.0);
+    let twig = rod(place, [-16.0, 2.0, 34.0], [-58.0, -14.0, 44.0], 8.0);
     let legs = blend(blend(trunk, left, 6.0), right, 6.0);
     blend(legs, blend(stem, twig, 4.0), 5.0)
 }
@@ -70,9 +73,9 @@ fn vessels(place: DVec3) -> f64 {
 /// A column with a canal behind it that goes all the way through.
 fn spine(place: DVec3) -> f64 {
     let turned = |x: f64, y: f64| ((place.x - x).powi(2) + (place.y - y).powi(2)).sqrt();
-    let column = turned(0.0, 58.0) - 20.0;
-    let arch = turned(0.0, 82.0) - 17.0;
-    let canal = turned(0.0, 83.0) - 9.5;
+    let column = turned(0.0, 58.0) - 21.0;
+    let arch = turned(0.0, 84.0) - 22.0;
+    let canal = turned(0.0, 85.0) - 10.0;
     let ends = place.z.abs() - 70.0;
     blend(column, arch, 8.0).max(-canal).max(ends)
 }
@@ -113,5 +116,5 @@ fn stomach(place: DVec3) -> f64 {
 }
 
 fn body(place: DVec3) -> f64 {
-    ellipsoid(place, [0.0, 4.0, 0.0], [138.0, 112.0, 124.0])
+    ellipsoid(place, [0.0, 8.0, 0.0], [128.0, 118.0, 118.0])
 }

@@ -96,8 +96,8 @@ mod tests {
     fn organs_are_where_they_should_be() {
         let at = |x, y, z| anatomy::label_at(DVec3::new(x, y, z));
         assert_eq!(at(0.0, 58.0, 0.0), Label(2), "the vertebral column");
-        assert_eq!(at(0.0, 83.0, 0.0), Label(7), "its canal is no bone");
-        assert_eq!(at(0.0, 96.0, 0.0), Label(2), "behind the canal is bone again");
+        assert_eq!(at(0.0, 85.0, 0.0), Label(7), "its canal is no bone");
+        assert_eq!(at(0.0, 100.0, 0.0), Label(2), "behind the canal is bone again");
         assert_eq!(at(-40.0, -5.0, 39.0), Label(1), "a vessel within the liver");
         assert_eq!(at(200.0, 0.0, 0.0), Label::OUTSIDE);
     }
@@ -126,7 +126,7 @@ mod tests {
         let mut seen = 0;
         for edge in section.edges().iter().filter(|edge| edge.right == Label::OUTSIDE) {
             let point = section.point(edge.start);
-            let outward = (point - DVec3::new(0.0, 4.0, 0.0)).normalize();
+            let outward = (point - DVec3::new(0.0, 8.0, 0.0)).normalize();
             assert_eq!(anatomy::label_at(point + 0.3 * outward), Label::OUTSIDE);
             assert_eq!(anatomy::label_at(point - 0.3 * outward), Label(7));
             seen += 1;

@@ -21,25 +21,25 @@ const SWEEPS: [Sweep; 3] = [
         name: "transverse",
         axis: DVec3::Z,
         tilts: [DVec3::X, DVec3::Y],
-        first: -105.0,
-        step: 15.0,
-        count: 15,
+        first: -102.0,
+        step: 12.0,
+        count: 18,
     },
     Sweep {
         name: "sagittal",
         axis: DVec3::X,
         tilts: [DVec3::Y, DVec3::Z],
-        first: -108.0,
-        step: 24.0,
+        first: -99.0,
+        step: 22.0,
         count: 10,
     },
     Sweep {
         name: "coronal",
         axis: DVec3::Y,
         tilts: [DVec3::X, DVec3::Z],
-        first: -72.0,
-        step: 22.0,
-        count: 8,
+        first: -67.0,
+        step: 20.0,
+        count: 9,
     },
 ];
 
@@ -58,8 +58,8 @@ fn cut(sweep: &Sweep, number: u32) -> (String, Plane) {
     (format!("{} {}", sweep.name, number + 1), Plane { normal, offset: normal.dot(through) })
 }
 
-/// A triangle wave between −1 and 1 with period 16.
+/// A triangle wave between −1 and 1 with period 32.
 fn wobble(number: u32) -> f64 {
-    let phase = f64::from(number % 16) / 16.0;
+    let phase = f64::from(number % 32) / 32.0;
     4.0 * (phase - 0.5).abs() - 1.0
 }

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::overlap::Here;
 use crate::error::Result;
 use crate::label::Label;
 use crate::mesh::Mesh;
@@ -43,7 +44,9 @@ pub struct Contours {
     /// Where the vertices beyond [`LIMIT`] are that count.
     pub far: Vec<Place>,
     /// Vertices beyond [`LIMIT`] that do not count, since the contour is
-    /// thinner there than the lattice can show ([`is_thin`]).
+    /// thinner there than the lattice can show: no disc of two voxels' diameter
+    /// within the label, or none within one other label, comes within one voxel
+    /// of the vertex.
     pub thin: Vec<Place>,
 }
 
@@ -205,19 +208,23 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// The label at a point, from the first edge that a ray to the right
-    /// meets; the background where it meets none.
+    /// The label at a point: what a ray that comes from the right, far away,
+    /// has entered when it gets there.
     fn label_at(&self, at: DVec2) -> Label {
-        self.ends()
-            .filter(|([start, end], _)| (start.y <= at.y) != (end.y <= at.y))
-            .map(|([start, end], labels)| {
-                let x = start.x + (at.y - start.y) / (end.y - start.y) * (end.x - start.x);
-                // Left of an upward edge is what the ray comes from.
-                (x, labels[usize::from(start.y > end.y)])
-            })
-            .filter(|(x, _)| *x > at.x)
-            .min_by(|one, other| one.0.total_cmp(&other.0))
-            .map_or(self.section.background(), |(_, label)| label)
+        let mut here = Here::new(self.section.background());
+        for ([start, end], [left, right]) in self.ends() {
+            if (start.y <= at.y) == (end.y <= at.y) {
+                continue;
+            }
+            let x = start.x + (at.y - start.y) / (end.y - start.y) * (end.x - start.x);
+            if x > at.x {
+                // Left of an upward edge is what the ray goes to.
+                let upward = start.y < end.y;
+                let (from, to) = if upward { (right, left) } else { (left, right) };
+                here.change(from, to);
+            }
+        }
+        here.label()
     }
 }
 
@@ -251,6 +258,8 @@ mod tests {
             |side: f64| thin_corners(&[[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]]);
         assert_eq!(square(2.5), [false; 4]);
         assert_eq!(square(1.8), [true; 4]);
+        // Rays through its tips enter and leave it at once.
+        assert_eq!(thin_corners(&[[0.0, 0.0], [1.8, 1.2], [1.4, 1.4], [1.3, 1.3]]), [true; 4]);
     }
 
     #[test]

@@ -126,21 +126,21 @@ fn first_centre(at: f64) -> i64 {
 /// The label at a place of a row, from the changes before it: each label is
 /// entered once more than left where it holds. This does not depend on the
 /// order of changes that rounding puts at the same place.
-struct Here {
+pub(super) struct Here {
     entered: BTreeMap<Label, i32>,
 }
 
 impl Here {
-    fn new(background: Label) -> Self {
+    pub(super) fn new(background: Label) -> Self {
         Self { entered: BTreeMap::from([(background, 1)]) }
     }
 
-    fn change(&mut self, change: &Change) {
-        *self.entered.entry(change.from).or_default() -= 1;
-        *self.entered.entry(change.to).or_default() += 1;
+    pub(super) fn change(&mut self, from: Label, to: Label) {
+        *self.entered.entry(from).or_default() -= 1;
+        *self.entered.entry(to).or_default() += 1;
     }
 
-    fn label(&self) -> Label {
+    pub(super) fn label(&self) -> Label {
         let holds = self.entered.iter().find(|(_, entered)| **entered > 0);
         holds.map_or(Label::OUTSIDE, |(label, _)| *label)
     }
@@ -154,8 +154,8 @@ fn count(rows: &Rows, background: Label) -> BTreeMap<Label, Counts> {
         let (mut section, mut mesh) = (Here::new(background), Here::new(Label::OUTSIDE));
         for (place, change) in changes.iter().enumerate() {
             match change.source {
-                Source::Section => section.change(change),
-                Source::Mesh => mesh.change(change),
+                Source::Section => section.change(change.from, change.to),
+                Source::Mesh => mesh.change(change.from, change.to),
             }
             let next = changes.get(place + 1).map_or(change.pixel, |next| next.pixel);
             let pixels = (next - change.pixel) as u64;

@@ -59,8 +59,12 @@ pub struct ReconstructArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
     /// Grids of a .vdb file, separated by commas: surface, density, label, surface_<label>, indicator_<label>; * for every label
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',',
-          default_value = "surface,density,label,surface_*")]
+    #[arg(
+        long,
+        value_name = "NAME,...",
+        value_delimiter = ',',
+        default_value = "surface,density,label,surface_*"
+    )]
     pub grids: Vec<String>,
     /// Write the report as JSON
     #[arg(long, value_name = "FILE.json")]

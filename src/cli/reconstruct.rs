@@ -17,7 +17,6 @@ use crate::io::{self};
 use crate::model::{Derived, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
-use crate::progress::Progress;
 use crate::report::Report;
 use crate::section::Sections;
 use crate::stage::Stages;
@@ -25,7 +24,8 @@ use crate::stage::Stages;
 /// Reconstructs and writes.
 pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let kinds = arguments.output.iter().map(|path| Kind::of(path)).collect::<Result<Vec<_>>>()?;
-    let grids = arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
+    let grids =
+        arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
     let paths = arguments.output.iter().chain(&arguments.report).map(PathBuf::as_path);
     let mut outputs = Outputs::reserve(paths)?;
     super::limit_threads(arguments.threads)?;
@@ -44,10 +44,9 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     }
     let mut model = Model::new(options(arguments));
     model.apply(Change::Add(sections), &rules, &mut stages, watcher.progress())?;
-    let derived = model.derived().ok_or_else(|| Error::Bug {
-        stage: "model",
-        what: "nothing was derived".to_owned(),
-    })?;
+    let derived = model
+        .derived()
+        .ok_or_else(|| Error::Bug { stage: "model", what: "nothing was derived".to_owned() })?;
     let checked = stages.run("check", |_| {
         let options = check::Options { self_intersections: false };
         let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);

@@ -8,7 +8,6 @@ use crate::io::mesh::read_mesh;
 use crate::io::{self};
 use crate::output::Outputs;
 use crate::plane::Plane;
-use crate::progress::Progress;
 use crate::section::{Rules, Sections};
 use crate::slice::{Family, slice};
 

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::check::LabelCheck;
 use crate::compare::Comparison;
 use crate::report::Report;
+use crate::section::Disagreement;
 
 /// How many labels are shown.
 const LABELS: usize = 24;
@@ -74,11 +75,14 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
     if thin > 0 {
         writeln!(out, "too thin for the grid: {thin} contour vertices (--report lists them)")?;
     }
-    if !report.disagreements.is_empty() {
+    // What is shorter than a voxel comes from rounded contours, as a rule.
+    let visible = |pair: &&Disagreement| pair.worst_length > report.voxel;
+    let disagreements = report.disagreements.iter().filter(visible).count();
+    if disagreements > 0 {
         writeln!(
             out,
-            "{} pairs of sections contradict each other (`transect inspect` lists them)",
-            report.disagreements.len()
+            "{disagreements} pairs of sections contradict each other along their common line \
+             (`transect inspect` lists them)"
         )?;
     }
     Ok(())
@@ -87,8 +91,11 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
 fn write_stages(out: &mut String, report: &Report) -> std::fmt::Result {
     writeln!(out)?;
     for stage in &report.stages {
-        let counts: Vec<String> =
-            stage.counts.iter().map(|(name, count)| format!("{} {name}", grouped(*count))).collect();
+        let counts: Vec<String> = stage
+            .counts
+            .iter()
+            .map(|(name, count)| format!("{} {name}", grouped(*count)))
+            .collect();
         writeln!(
             out,
             "{:<12}{:>8.2} s {:>9}  {}",

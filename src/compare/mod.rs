@@ -127,9 +127,8 @@ impl Solid {
         } else if !facts.outward {
             warnings.push(format!("the {name} faces inward in part: its volume is taken by size"));
         }
-        // Written so that a volume that is no number is refused, too.
         let volume = facts.volume.abs();
-        if !(volume > 0.0) {
+        if volume == 0.0 || volume.is_nan() {
             return Err(Error::Option(format!("the {name} encloses no volume: it must be closed")));
         }
         Ok(Self { name, surface, bounds, volume, area: facts.area })

@@ -68,6 +68,9 @@ mod bridge {
 
 pub use bridge::*;
 
+/// A tree as it comes over the bridge.
+pub type OwnedTree = cxx::UniquePtr<Tree>;
+
 // SAFETY: a Tree is built in full, its search structure for distances
 // included, before it is handed out, and has no method that changes it.
 unsafe impl Send for Tree {}

@@ -27,19 +27,18 @@ impl Lattice {
     pub fn new(bounds: Bounds, resolution: Resolution) -> Result<Self> {
         let voxel = voxel_size(bounds, resolution)?;
         let origin = bounds.min - OFFSET * voxel;
-        let nodes = bounds.size().to_array().map(|side| {
+        let mut dims = [0; 3];
+        for (nodes, size) in dims.iter_mut().zip(bounds.size().to_array()) {
             // The smallest whole number of voxels that leads past the box.
-            (side / voxel + OFFSET).floor() + 2.0
-        });
-        let most = nodes.into_iter().fold(0.0, f64::max);
-        if most > f64::from(i32::MAX - 2 * LEAF_SIDE as i32) {
-            return Err(Error::Option(format!(
-                "voxels of {voxel} are too small for a box of {}: the grid would have {most:.0} \
-                 nodes on one side; use a lower --resolution or a larger --voxel-size",
-                bounds.size().max_element()
-            )));
+            let last = (size / voxel + OFFSET).floor() + 1.0;
+            if last > f64::from(i32::MAX - 2 * LEAF_SIDE as i32) {
+                return Err(Error::Option(format!(
+                    "voxels of {voxel} are too small for a box of {size}: the grid would have \
+                     {last:.0} nodes on one side; use a lower --resolution or a larger --voxel-size"
+                )));
+            }
+            *nodes = last as i32 + 1;
         }
-        let dims = nodes.map(|nodes| nodes as i32);
         Ok(Self { origin, voxel, dims })
     }
 

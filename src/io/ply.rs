@@ -25,7 +25,7 @@ pub fn write(mesh: &Mesh, about: &About, out: &mut dyn Write) -> std::io::Result
     writeln!(out, "element vertex {}", mesh.vertices.len())?;
     write!(out, "property double x\nproperty double y\nproperty double z\n")?;
     writeln!(out, "element face {}", mesh.triangles.len())?;
-    write!(out, "property list uchar int vertex_indices\n")?;
+    writeln!(out, "property list uchar int vertex_indices")?;
     write!(out, "property int label_back\nproperty int label_front\n")?;
     write!(out, "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")?;
     for vertex in &mesh.vertices {

@@ -1,6 +1,5 @@
 //! Distances from points to triangles.
 
-use cxx::UniquePtr;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -11,7 +10,7 @@ use crate::label::Label;
 
 /// Triangles arranged so that the nearest to a point is found fast.
 pub struct Nearest {
-    tree: UniquePtr<measure::Tree>,
+    tree: measure::OwnedTree,
 }
 
 impl Nearest {

@@ -104,13 +104,12 @@ impl Scene {
 
     fn add_facets(&mut self, mesh: &Mesh, roles: &Roles) {
         for (&[a, b, c], &[back, front]) in mesh.triangles.iter().zip(&mesh.sides) {
-            let (shown, corners) = match (roles.role(back), roles.role(front)) {
-                (Role::Solid, Role::Solid) | (Role::Nothing, Role::Nothing) => continue,
-                (Role::Solid, _) | (Role::Glass(_), Role::Nothing | Role::Glass(_)) => {
-                    (back, [a, b, c])
-                }
-                (Role::Glass(_) | Role::Nothing, _) => (front, [a, c, b]),
-            };
+            let (behind, before) = (roles.role(back), roles.role(front));
+            if behind == before {
+                continue;
+            }
+            let (shown, corners) =
+                if behind > before { (back, [a, b, c]) } else { (front, [a, c, b]) };
             let facet = Facet { corners, material: roles.index(shown) };
             if let Some(layer) = self.layer(roles.role(shown)) {
                 layer.facets.push(facet);
@@ -140,12 +139,12 @@ impl Scene {
     }
 }
 
-/// How a label is drawn; a later one wins the contour between two.
+/// How a label is drawn; the larger of two is what shows at their border.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Role {
     /// Outside and unknown: not at all.
     Nothing,
-    /// Translucent, in this glass layer.
+    /// Translucent, in this glass layer; inner ones are later.
     Glass(usize),
     Solid,
 }
@@ -153,16 +152,16 @@ enum Role {
 struct Roles {
     /// The materials that occur, sorted.
     labels: Vec<Label>,
-    /// Those drawn as glass, sorted.
+    /// Those drawn as glass, inner ones later.
     glass: Vec<Label>,
 }
 
 impl Roles {
     fn role(&self, label: Label) -> Role {
-        match self.glass.binary_search(&label) {
-            Ok(number) => Role::Glass(number),
-            Err(_) if label.is_material() => Role::Solid,
-            Err(_) => Role::Nothing,
+        match self.glass.iter().position(|&glass| glass == label) {
+            Some(number) => Role::Glass(number),
+            None if label.is_material() => Role::Solid,
+            None => Role::Nothing,
         }
     }
 
@@ -192,7 +191,8 @@ fn paint(label: Label, materials: &[Material]) -> Paint {
 const SHOWN_PART: f64 = 0.15;
 
 /// The materials to draw as glass: as long as there is a hidden material, the
-/// neighbour that it shares most of its surface with becomes glass.
+/// neighbour that it shares most of its surface with becomes glass. Those that
+/// border least on outside come last: they count as inner ones.
 fn glass_labels(shared: &Shared) -> Vec<Label> {
     let mut glass: Vec<Label> = Vec::new();
     loop {
@@ -202,7 +202,8 @@ fn glass_labels(shared: &Shared) -> Vec<Label> {
             .filter_map(|(_, areas)| hider(areas, &glass))
             .min_by(|(one, _), (other, _)| one.total_cmp(other));
         let Some((_, label)) = most_hidden else {
-            glass.sort_unstable();
+            let open = |label: &Label| shown_part(&shared[label], &[]);
+            glass.sort_by(|one, other| open(other).total_cmp(&open(one)).then(one.cmp(other)));
             return glass;
         };
         glass.push(label);
@@ -212,15 +213,23 @@ fn glass_labels(shared: &Shared) -> Vec<Label> {
 /// For a material that does not show, the part of it that does and the solid
 /// neighbour that hides most of it.
 fn hider(areas: &BTreeMap<Label, f64>, glass: &[Label]) -> Option<(f64, Label)> {
-    let is_clear = |label: &Label| !label.is_material() || glass.contains(label);
-    let total: f64 = areas.values().sum();
-    let shown: f64 = areas.iter().filter(|(label, _)| is_clear(label)).map(|(_, a)| a).sum();
-    let part = shown / total;
     let (&label, _) = areas
         .iter()
-        .filter(|(label, _)| !is_clear(label))
+        .filter(|&(&label, _)| !is_clear(label, glass))
         .max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+    let part = shown_part(areas, glass);
     (part < SHOWN_PART).then_some((part, label))
+}
+
+fn is_clear(label: Label, glass: &[Label]) -> bool {
+    !label.is_material() || glass.contains(&label)
+}
+
+/// The part of a material's surface that borders on outside or on glass.
+fn shown_part(areas: &BTreeMap<Label, f64>, glass: &[Label]) -> f64 {
+    let shown: f64 =
+        areas.iter().filter(|&(&label, _)| is_clear(label, glass)).map(|(_, area)| area).sum();
+    shown / areas.values().sum::<f64>()
 }
 
 /// For every material the area that it shares with each neighbour.
@@ -268,6 +277,20 @@ mod tests {
             .zip(&scene.solid.facets)
             .all(|(n, facet)| n[0].dot(scene.points[facet.corners[0] as usize]) > 0.0);
         assert!(outward);
+    }
+
+    #[test]
+    fn glass_within_glass_is_still_drawn() {
+        // Label 1 is the outermost, 2 in it, 3 in the middle.
+        let mut mesh = sphere(DVec3::ZERO, 3.0, [Label(1), Label(0)]);
+        mesh.append(sphere(DVec3::ZERO, 2.0, [Label(1), Label(2)]).flipped());
+        mesh.append(sphere(DVec3::ZERO, 1.0, [Label(2), Label(3)]).flipped());
+        let scene = Scene::new(&mesh.mesh, &[], &[]);
+        assert_eq!(scene.glass.len(), 2);
+        let shown = |layer: &Layer| layer.facets.iter().map(|facet| facet.material).max();
+        assert_eq!(shown(&scene.glass[0]), Some(0));
+        assert_eq!(shown(&scene.glass[1]), Some(1), "the wall of label 2 is its own");
+        assert_eq!(shown(&scene.solid), Some(2));
     }
 
     #[test]

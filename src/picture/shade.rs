@@ -27,7 +27,7 @@ pub fn glass(albedo: Vec3, normal: Vec3, to_eye: Vec3) -> (Vec3, f32) {
     let facing = normal.dot(to_eye).abs().min(1.0);
     let edge = (1.0 - facing).powi(2);
     let light = albedo * (GROUND.lerp(SKY, normal.y * 0.5 + 0.5) + lambert(normal, KEY));
-    let highlight = gloss(normal, to_eye, 60.0) * 0.25;
+    let highlight = gloss(normal, to_eye, 60.0) * 0.08;
     (light + Vec3::splat(highlight), (0.14 + 0.55 * edge + highlight).min(1.0))
 }
 

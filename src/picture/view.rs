@@ -227,7 +227,8 @@ pub(in crate::picture) mod tests {
             let start = mesh.vertices.len() as u32;
             for i in 0..=n {
                 for j in 0..=n {
-                    let angle = |k: u32| (f64::from(k) / f64::from(n) - 0.5) * 1.570_796_326_8;
+                    let angle =
+                        |k: u32| (f64::from(k) / f64::from(n) - 0.5) * std::f64::consts::FRAC_PI_2;
                     let mut point = DVec3::ZERO;
                     point[axis] = sign;
                     point[(axis + 1) % 3] = sign * angle(i).tan();

@@ -3,16 +3,16 @@
 //! The interface is made of one polygon around every lattice edge whose nodes
 //! have different labels. The polygon's corners are points in the four lattice
 //! cells around the edge; a cell has one point for every connected *piece* of
-//! the interface in it ([`cell::Pieces`]), and polygons of one piece share it.
+//! the interface in it (`cell::Pieces`), and polygons of one piece share it.
 //! What is connected is decided face by face, from the face's own four nodes
-//! ([`cell::Links`]), so that the two cells at a face agree.
+//! (`cell::Links`), so that the two cells at a face agree.
 //!
 //! # Why every label's surface is closed, oriented and edge-manifold
 //!
 //! Fix a label l. A lattice face has 0, 2 or 4 edges with l at exactly one
 //! end, for l and not-l alternate around it. The links put them into pairs:
 //!
-//! - two: all four cases of [`cell::Links`] join these two, since a face that
+//! - two: all four cases of `cell::Links` join these two, since a face that
 //!   does not join all its edges cuts off two opposite corners, each with its
 //!   two edges, and l is then either the label of one such corner (which has
 //!   exactly these edges) or has four edges;

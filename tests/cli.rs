@@ -1,0 +1,326 @@
+//! The command line: what it writes, what it refuses, and how it ends.
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+/// The bundled example, coarse enough to be quick.
+const COARSE: &[&str] = &["--resolution", "48"];
+
+fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn phantom() -> PathBuf {
+    repository("examples/phantom.json")
+}
+
+fn transect() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_transect"))
+}
+
+fn folder() -> TempDir {
+    TempDir::new().expect("a temporary folder")
+}
+
+fn run(command: &mut Command) -> Output {
+    command.output().expect("the program runs")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Reconstructs the example into files of a folder.
+fn reconstruct(folder: &Path, names: &[&str], more: &[&str]) -> Output {
+    let mut command = transect();
+    command.arg("reconstruct").arg(phantom()).args(COARSE).args(more);
+    for name in names {
+        command.arg("-o").arg(folder.join(name));
+    }
+    run(&mut command)
+}
+
+fn assert_done(output: &Output) {
+    assert!(output.status.success(), "{}", stderr(output));
+}
+
+/// Exit status 1 and one line that begins with `error: ` and holds all words.
+fn assert_refused(output: &Output, words: &[&str]) {
+    let text = stderr(output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    let errors: Vec<&str> = text.lines().filter(|line| line.starts_with("error: ")).collect();
+    assert_eq!(errors.len(), 1, "{text}");
+    assert_eq!(text.lines().last(), Some(errors[0]));
+    for word in words {
+        assert!(errors[0].contains(word), "{word:?} is not in {text:?}");
+    }
+}
+
+fn entries(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .expect("the folder can be read")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn every_kind_of_output_is_written_and_stdout_stays_empty() {
+    let folder = folder();
+    let names = ["a.obj", "a.off", "a.ply", "a.png", "a.stl", "a.vdb"];
+    let report = folder.path().join("report.json");
+    let more = ["--report", report.to_str().expect("a path in UTF-8")];
+    let output = reconstruct(folder.path(), &names, &more);
+    assert_done(&output);
+    assert!(output.stdout.is_empty());
+    let mut expected: Vec<&str> = names.to_vec();
+    expected.push("report.json");
+    assert_eq!(entries(folder.path()), expected);
+    for name in names {
+        let size = fs::metadata(folder.path().join(name)).expect("it exists").len();
+        assert!(size > 1000, "{name} has {size} bytes");
+    }
+}
+
+#[test]
+fn the_report_says_what_the_result_is_worth() {
+    let folder = folder();
+    let path = folder.path().join("report.json");
+    let more = ["--quiet", "--report", path.to_str().expect("a path in UTF-8")];
+    let output = reconstruct(folder.path(), &["a.ply"], &more);
+    assert_done(&output);
+    assert_eq!(stderr(&output), "");
+    let text = fs::read_to_string(path).expect("the report");
+    let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let labels = report["check"]["labels"].as_array().expect("labels");
+    assert_eq!(labels.len(), 7, "the phantom has seven organs");
+    let volumes = labels.iter().map(|label| {
+        assert_eq!((&label["closed"], &label["outward"]), (&true.into(), &true.into()));
+        label["volume"].as_f64().expect("a volume")
+    });
+    let sum = volumes.sum::<f64>() + report["check"]["outside_volume"].as_f64().expect("a volume");
+    let whole = report["check"]["box_volume"].as_f64().expect("a volume");
+    assert!((sum / whole - 1.0).abs() < 1e-9, "{sum} {whole}");
+    for stage in ["read", "arrangement", "field", "smoothing", "mesh", "check", "surfaces"] {
+        let stages = report["stages"].as_array().expect("stages");
+        assert!(stages.iter().any(|found| found["name"] == stage), "{stage}");
+    }
+}
+
+#[test]
+fn the_same_bytes_come_out_for_any_number_of_threads() {
+    let names = ["a.ply", "a.vdb", "a.png", "a.stl"];
+    let (one, four) = (folder(), folder());
+    assert_done(&reconstruct(one.path(), &names, &["--device", "cpu", "--threads", "1"]));
+    assert_done(&reconstruct(four.path(), &names, &["--device", "cpu", "--threads", "4"]));
+    for name in names {
+        let bytes = |folder: &TempDir| fs::read(folder.path().join(name)).expect("it exists");
+        assert!(bytes(&one) == bytes(&four), "{name} differs");
+    }
+}
+
+#[test]
+fn bad_sections_are_refused_by_name_and_nothing_is_written() {
+    let cases: &[(&str, &[&str])] = &[
+        ("missing.csl", &["missing.csl", "no such file"]),
+        ("empty.csl", &["empty.csl", "empty"]),
+        ("truncated.csl", &["truncated.csl", "section 1", "line 9", "truncated"]),
+        ("nan.csl", &["nan.csl", "section 1", "vertex 1 is NaN"]),
+        ("zero_normal.csl", &["zero_normal.csl", "section 1", "normal"]),
+        ("index.csl", &["index.csl", "section 1", "line 11", "out of range"]),
+        ("overlap.csl", &["overlap.csl", "section 12", "overlap", "near ["]),
+        ("off_plane.csl", &["off_plane.csl", "section 1", "vertex 2 of loop 0", "off its plane"]),
+        ("coincident.csl", &["coincident.csl", "section 3", "plane of section 1"]),
+    ];
+    for (name, words) in cases {
+        let folder = folder();
+        let mut command = transect();
+        command.arg("reconstruct").arg(repository("tests/corpus").join(name));
+        let output = run(command.arg("-o").arg(folder.path().join("a.ply")));
+        assert_refused(&output, words);
+        assert!(entries(folder.path()).is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn a_loop_that_crosses_itself_is_a_warning_and_with_strict_an_error() {
+    let folder = folder();
+    let bowtie = |more: &[&str]| {
+        let mut command = transect();
+        command.arg("reconstruct").arg(repository("tests/corpus/bowtie.csl")).args(COARSE);
+        run(command.args(more).arg("-o").arg(folder.path().join("a.ply")))
+    };
+    assert_refused(&bowtie(&["--strict"]), &["bowtie.csl", "section", "crosses itself"]);
+    assert!(entries(folder.path()).is_empty());
+    let output = bowtie(&[]);
+    assert_done(&output);
+    assert!(stderr(&output).contains("warning: section"), "{}", stderr(&output));
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_the_work() {
+    let folder = folder();
+    let missing = folder.path().join("missing");
+    assert_refused(&reconstruct(&missing, &["a.ply"], &[]), &["a.ply", "does not exist"]);
+    assert_refused(&reconstruct(folder.path(), &["a.xyz"], &[]), &["a.xyz", ".vdb, .ply"]);
+    fs::create_dir(folder.path().join("b.ply")).expect("a folder");
+    assert_refused(&reconstruct(folder.path(), &["b.ply"], &[]), &["b.ply", "is a folder"]);
+    assert_refused(&reconstruct(folder.path(), &["a.ply", "a.ply"], &[]), &["a.ply", "twice"]);
+    fs::write(folder.path().join("file"), "").expect("a file");
+    let inside = folder.path().join("file");
+    assert_refused(&reconstruct(&inside, &["a.ply"], &[]), &["a.ply", "not a folder"]);
+    assert_eq!(entries(folder.path()), ["b.ply", "file"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_folder_without_write_permission_is_refused() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).expect("permissions");
+    if fs::write(folder.path().join("probe"), "").is_ok() {
+        println!("skipped: this user may write anywhere");
+        return;
+    }
+    let output = reconstruct(folder.path(), &["a.ply"], &[]);
+    assert_refused(&output, &["a.ply", "cannot be written to"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_an_error_and_no_other_output_appears() {
+    for full in ["full.ply", "full.vdb", "full.png"] {
+        let folder = folder();
+        std::os::unix::fs::symlink("/dev/full", folder.path().join(full)).expect("a link");
+        let output = reconstruct(folder.path(), &["a.obj", full], &["--quiet"]);
+        assert_refused(&output, &[full, "disk is full"]);
+        assert_eq!(entries(folder.path()), [full]);
+    }
+    let folder = folder();
+    let output = reconstruct(folder.path(), &["a.obj"], &["--report", "/dev/full"]);
+    assert_refused(&output, &["/dev/full", "disk is full"]);
+    assert!(entries(folder.path()).is_empty());
+}
+
+#[test]
+fn a_grid_that_does_not_fit_is_refused_with_its_size() {
+    let folder = folder();
+    let mut command = transect();
+    command.arg("reconstruct").arg(phantom()).args(["--resolution", "200000"]);
+    let output = run(command.arg("-o").arg(folder.path().join("a.ply")));
+    assert_refused(&output, &["would take about", "GiB", "--resolution"]);
+    assert!(entries(folder.path()).is_empty());
+}
+
+#[test]
+fn wrong_usage_ends_with_two() {
+    let usages: &[&[&str]] = &[
+        &[],
+        &["reconstruct"],
+        &["reconstruct", "a.csl"],
+        &["reconstruct", "a.csl", "-o", "a.ply", "--resolution", "0"],
+        &["reconstruct", "a.csl", "-o", "a.ply", "--voxel-size", "-1"],
+        &["reconstruct", "a.csl", "-o", "a.ply", "--method", "guess"],
+        &["slice", "a.ply", "-o", "a.csl"],
+        &["slice", "a.ply", "-o", "a.csl", "--plane", "0,0,0,1"],
+        &["compare", "a.ply"],
+    ];
+    for usage in usages {
+        let output = run(transect().args(*usage));
+        assert_eq!(output.status.code(), Some(2), "{usage:?}");
+    }
+}
+
+#[test]
+fn unknown_grids_are_refused() {
+    let folder = folder();
+    let output = reconstruct(folder.path(), &["a.vdb"], &["--grids", "surface,magic"]);
+    assert_refused(&output, &["magic", "surface_<label>"]);
+    let output = reconstruct(folder.path(), &["a.vdb"], &["--grids", "surface_99"]);
+    assert_refused(&output, &["99"]);
+    assert!(entries(folder.path()).is_empty());
+}
+
+#[test]
+fn slices_of_a_result_reconstruct_to_nearly_the_same() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    assert_done(&reconstruct(folder.path(), &["a.ply"], &["--quiet"]));
+    let mut slice = transect();
+    slice.arg("slice").arg(path("a.ply")).args(["--axis", "z", "--count", "24"]);
+    assert_done(&run(slice.arg("-o").arg(path("cuts.csl"))));
+    let mut again = transect();
+    again.arg("reconstruct").arg(path("cuts.csl")).args(COARSE).arg("--quiet");
+    assert_done(&run(again.arg("-o").arg(path("b.ply"))));
+    let mut compare = transect();
+    let output = run(compare.args(["compare", "--json"]).arg(path("b.ply")).arg(path("a.ply")));
+    assert_done(&output);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let iou = found["iou"].as_f64().expect("a number");
+    assert!((0.9..=1.0).contains(&iou), "{iou}");
+}
+
+#[test]
+fn a_mesh_is_no_distance_from_itself() {
+    let folder = folder();
+    assert_done(&reconstruct(folder.path(), &["a.off"], &["--quiet"]));
+    let mesh = folder.path().join("a.off");
+    let output = run(transect().args(["compare", "--json"]).args([&mesh, &mesh]));
+    assert_done(&output);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(found["iou"], 1.0);
+    assert_eq!(found["volume_ratio"], 1.0);
+    assert!(found["hausdorff"].as_f64().expect("a number") < 1e-12);
+}
+
+#[test]
+fn inspection_goes_to_stdout_and_shows_no_bar_in_a_pipe() {
+    let output = run(transect().arg("inspect").arg(phantom()));
+    assert_done(&output);
+    assert_eq!(stderr(&output), "");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("37"), "37 sections: {text}");
+    let output = run(transect().args(["inspect", "--json"]).arg(phantom()));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(found["sections"], 37);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_ends_promptly_and_leaves_nothing() {
+    let folder = folder();
+    let mut command = transect();
+    command.arg("reconstruct").arg(phantom()).args(["--resolution", "700"]);
+    command.arg("-o").arg(folder.path().join("a.vdb")).stderr(Stdio::null());
+    let mut child = command.spawn().expect("the program runs");
+    // Wait until it has begun: its temporary file is there.
+    while entries(folder.path()).is_empty() {
+        assert!(child.try_wait().expect("a child").is_none(), "it ended before the interrupt");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(killed.expect("kill runs").success());
+    let start = Instant::now();
+    let status = child.wait().expect("it ends");
+    assert_eq!(status.code(), Some(130));
+    assert!(start.elapsed() < Duration::from_secs(5), "an interrupt waits for nothing");
+    assert!(entries(folder.path()).is_empty(), "{:?}", entries(folder.path()));
+}
+
+#[test]
+fn real_contour_files_reconstruct() {
+    for name in ["ringc", "mug", "liver", "mousebrain"] {
+        let Some(path) = common::data(&format!("contour/{name}.contour")) else { return };
+        let folder = folder();
+        let mut command = transect();
+        command.arg("reconstruct").arg(path).args(COARSE);
+        assert_done(&run(command.arg("-o").arg(folder.path().join("a.ply"))));
+    }
+}
