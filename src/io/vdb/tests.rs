@@ -140,6 +140,35 @@ fn a_ball_passes_openvdbs_checks_and_has_the_right_values() {
     assert!((active(2) / 7238.0 - 1.0).abs() < 0.01, "{}", active(2));
 }
 
+/// Balls of radii from nothing to three voxels around nodes and between them:
+/// their distances have corners next to the surface.
+#[test]
+fn features_as_thin_as_a_voxel_pass_openvdbs_check() {
+    let mut ball = Ball::new();
+    ball.mesh = Mesh::default();
+    let mut centers = Vec::new();
+    for (index, radius) in (0..20).map(|index| (index, 0.2 + 0.15 * f64::from(index))) {
+        let at = [8 * (index % 5) + 2, 8 * (index / 5) + 4, 19];
+        let shift = DVec3::new(0.1, 0.3, 0.5) * f64::from(index % 3);
+        let center = ball.lattice.position(at) + shift * ball.lattice.voxel;
+        let (vertices, triangles) = sphere(center, radius * ball.lattice.voxel, 3);
+        let first = ball.mesh.vertices.len() as u32;
+        ball.mesh.vertices.extend(vertices);
+        ball.mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|v| v + first)));
+        centers.push((at, shift.length() - radius));
+    }
+    ball.mesh.sides = vec![[Label(7), Label::OUTSIDE]; ball.mesh.triangles.len()];
+    let (_folder, file) = written(&ball, "surface,density");
+    assert_eq!(file.check_level_set("surface").unwrap(), "");
+    assert_eq!(file.check_fog_volume("density").unwrap(), "");
+    // What is deeper than a voxel is left as it is, or nearly so.
+    let deep = centers.into_iter().filter(|(_, depth)| *depth < -1.0);
+    for (at, expected) in deep {
+        let depth = file.value("surface", at).unwrap() / ball.lattice.voxel;
+        assert!((depth - expected.max(-3.0)).abs() < 0.1, "{depth} {expected}");
+    }
+}
+
 #[test]
 fn far_from_the_origin_nothing_is_lost() {
     let ball = Ball::at(DVec3::new(4.5e5, 5.4e6, -300.0));
