@@ -93,7 +93,11 @@ impl Outputs {
         let output = self.files.iter().find(|output| output.path == path).ok_or_else(|| {
             Error::Bug { stage: "output", what: format!("{} was not reserved", path.display()) }
         })?;
-        content(output.temporary.path())
+        let temporary = output.temporary.path();
+        content(temporary).map_err(|error| match error {
+            Error::File { file, what } if file == temporary => Error::file(path, what),
+            other => other,
+        })
     }
 
     /// Lets all files appear.
