@@ -1,5 +1,25 @@
 //! transect reconstructs volumes and surfaces from labelled planar
 //! cross-sections of any orientation.
+//!
+//! ```text
+//! section ─► arrangement ─► field ─► grid ─► mesh ─► check ─► report, io, picture
+//!  exact        exact        f32      f32     f64     CGAL
+//!             └────── model::Model applies a change::Change ──────┘
+//! ```
+//!
+//! An arrow never points back. What holds after each stage:
+//!
+//! - a [`section::Section`] is valid by construction: its edges meet only in
+//!   vertices, and every region has one label, decided exactly;
+//! - an [`arrangement::Arrangement`] passes its `sanity_check` on every run;
+//! - a [`field::Field`] reproduces constants: where one label borders a cell
+//!   its value is 1 exactly;
+//! - in [`grid::samples::Samples`] every node of the lattice has a label, and
+//!   the outermost nodes are outside;
+//! - in a [`mesh::Mesh`] every label's boundary is closed, oriented outward,
+//!   and has two triangles at each edge.
+//!
+//! `docs/architecture.md` says why.
 
 pub mod arrangement;
 pub mod change;
