@@ -53,6 +53,9 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         check(&model.sections().sections, mesh, lattice, options, watcher.progress())
     })?;
 
+    if !checked.is_sound() {
+        return Err(Error::Bug { stage: "check", what: "a surface is not closed".to_owned() });
+    }
     for (path, kind) in arguments.output.iter().zip(kinds) {
         stages.run(kind.stage(), |_| {
             watcher.progress().begin(kind.stage(), 0);
@@ -68,11 +71,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     if !arguments.quiet {
         table::print(&report);
     }
-    if report.check.is_sound() {
-        Ok(())
-    } else {
-        Err(Error::Bug { stage: "check", what: "a surface is not closed".to_owned() })
-    }
+    Ok(())
 }
 
 fn options(arguments: &ReconstructArguments) -> Options {
