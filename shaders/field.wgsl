@@ -28,21 +28,19 @@ fn chain_sum(chain: Chain, feet: Feet) -> vec4<f32> {
 /// Adds what a face's ramps from `first` on say; src/field/ramps.rs has the
 /// formula.
 fn add_ramps(first: u32, end: u32, feet: Feet, window: u32) {
-    var row = first;
-    while row < end {
+    for (var row = first; row < end; row += 3u + ramps[row + 2u].w) {
         let start = corner_of(bitcast<vec4<f32>>(ramps[row]), feet);
-        let end_corner = corner_of(bitcast<vec4<f32>>(ramps[row + 1u]), feet);
+        let corner = corner_of(bitcast<vec4<f32>>(ramps[row + 1u]), feet);
         let d = bitcast<vec3<f32>>(ramps[row + 2u].xyz);
-        let angle = angle_of(start, end_corner, d, feet.gamma);
+        let angle = angle_of(start, corner, d, feet.gamma);
         let constant = angle.cross * angle.ratio / feet.gamma;
         let along = -constant * (start.px * d.x + start.py * d.y);
         let across = angle.c_squared * angle.ratio / feet.gamma;
-        let last = row + 2u + ramps[row + 2u].w;
-        row += 3u;
-        for (; row <= last; row++) {
-            let slope = bitcast<vec3<f32>>(ramps[row].yzw);
+        let slopes = ramps[row + 2u].w;
+        for (var s = row + 3u; s < row + 3u + slopes; s++) {
+            let slope = bitcast<vec3<f32>>(ramps[s].yzw);
             let share = constant * slope.x + along * slope.y + across * slope.z;
-            add(ramps[row].x, window, share);
+            add(ramps[s].x, window, share);
         }
     }
 }

@@ -38,7 +38,7 @@ pub struct Options {
     /// Where the field is evaluated.
     pub device: Device,
     /// How finely unknown regions are triangulated to be completed: the length
-    /// of an edge in world units, a 48th of the box's longest side when none
+    /// of an edge in world units, a 16th of the box's longest side when none
     /// is given.
     pub spacing: Option<f64>,
 }

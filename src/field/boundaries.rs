@@ -17,7 +17,7 @@ const NEGLIGIBLE: f32 = 1e-3;
 
 /// How unknown regions are triangulated when nothing else is said: the edges'
 /// length as a part of the box's longest side.
-const SPACING: f64 = 1.0 / 48.0;
+const SPACING: f64 = 1.0 / 16.0;
 
 /// The boundaries of an arrangement's cells.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ pub(super) struct Boundary<'a> {
 impl<'a> Boundaries<'a> {
     /// The boundaries of the cells of an arrangement. Distances to a plane
     /// below `clearance` count as `clearance`. Unknown regions are triangulated
-    /// with edges of about `spacing`, a 48th of the box's longest side when
+    /// with edges of about `spacing`, a 16th of the box's longest side when
     /// none is given (both in world units, positive), and completed
     /// (Bermano §5).
     ///

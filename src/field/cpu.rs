@@ -63,6 +63,19 @@ impl Cpu {
         &self.cells
     }
 
+    /// The values in those cells that are wanted.
+    pub(super) fn evaluate_where(
+        &self,
+        queries: &Queries,
+        values: &mut [f32],
+        wanted: impl Fn(&PackedCell) -> bool + Sync,
+    ) {
+        jobs(&self.cells, queries, values)
+            .into_par_iter()
+            .filter(|job| wanted(job.cell))
+            .for_each(|job| job.run(self.instructions));
+    }
+
     /// The values of a few points of one cell.
     pub(super) fn evaluate_in(&self, cell: u32, points: &[DVec3], values: &mut [f32]) {
         Job { cell: &self.cells[cell as usize], part: Part::All, points, values }
@@ -87,9 +100,7 @@ impl Field for Cpu {
     fn evaluate(&self, queries: &Queries) -> Result<Vec<f32>> {
         queries.check(self.cells.len())?;
         let mut values = vec![0.0; value_count(&self.cells, queries)];
-        jobs(&self.cells, queries, &mut values)
-            .into_par_iter()
-            .for_each(|job| job.run(self.instructions));
+        self.evaluate_where(queries, &mut values, |_| true);
         Ok(values)
     }
 }

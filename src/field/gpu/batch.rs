@@ -8,6 +8,9 @@ use crate::field::packing::PackedCell;
 /// Points of one workgroup: GROUP · POINTS of `shaders/field_types.wgsl`.
 const GROUP: usize = 256;
 
+/// WINDOW of `shaders/field_types.wgsl`.
+const WINDOW: usize = 16;
+
 /// Points of 32 invocations.
 const WAVE: usize = 128;
 
@@ -21,6 +24,8 @@ pub struct Limits {
     pub groups: usize,
     /// Bytes of points, and of values.
     pub bytes: u64,
+    /// Turns of all loops of one invocation together.
+    pub turns: u64,
 }
 
 /// One dispatch.
@@ -53,17 +58,29 @@ impl Limits {
             work: if connection.is_software() { 20_000_000 } else { 1_000_000_000 },
             groups: limits.max_compute_workgroups_per_dimension as usize,
             bytes: limits.max_storage_buffer_binding_size.min(64 << 20),
+            // Mesa's software driver leaves all loops after 65,535 turns.
+            turns: if connection.is_software() { 60_000 } else { u64::MAX },
         }
+    }
+
+    /// Whether the device can evaluate a cell, and there is something to.
+    pub fn allow(&self, cell: &PackedCell) -> bool {
+        let passes = cell.labels.len().div_ceil(WINDOW);
+        let turns = cell.chains.len() + cell.edges.len() + cell.ramps.len() + cell.slopes.len();
+        cell.labels.len() > 1 && (passes * turns) as u64 <= self.turns
     }
 }
 
-/// Cuts a query into batches; cells with a single label take part in none.
+/// Cuts a query into batches; cells that the limits do not allow take part in
+/// none.
 pub fn batches(
     cells: &[PackedCell],
     queries: &Queries,
     limits: Limits,
 ) -> impl Iterator<Item = Batch> {
-    let mut targets = targets(cells, queries).peekable();
+    let targets = targets(cells, queries);
+    let allowed = move |(target, _): &(Target, usize)| limits.allow(&cells[target.cell as usize]);
+    let mut targets = targets.filter(allowed).peekable();
     std::iter::from_fn(move || {
         let mut batch = Batch::default();
         while let Some((target, end)) = targets.next_if(|_| batch.has_room(limits)) {
@@ -82,7 +99,7 @@ fn targets(cells: &[PackedCell], queries: &Queries) -> impl Iterator<Item = (Tar
         value += run.points.len() * labels;
         (run, labels, first_value)
     });
-    runs.filter(|&(_, labels, _)| labels > 1).flat_map(|(run, labels, first_value)| {
+    runs.flat_map(|(run, labels, first_value)| {
         run.points.clone().step_by(GROUP).map(move |point| {
             let value = first_value + (point - run.points.start) * labels;
             let target = Target { cell: run.cell, labels, point, value };

@@ -122,11 +122,12 @@ impl Field for Gpu {
 
     fn evaluate(&self, queries: &Queries) -> Result<Vec<f32>> {
         queries.check(self.cpu.cells().len())?;
-        // Cells with a single label take part in no batch: f = 1 there.
-        let mut values = vec![1.0; value_count(self.cpu.cells(), queries)];
-        for batch in batches(self.cpu.cells(), queries, self.limits) {
+        let cells = self.cpu.cells();
+        let mut values = vec![0.0; value_count(cells, queries)];
+        for batch in batches(cells, queries, self.limits) {
             self.run(queries, &batch, &mut values)?;
         }
+        self.cpu.evaluate_where(queries, &mut values, |cell| !self.limits.allow(cell));
         Ok(values)
     }
 }
@@ -206,7 +207,7 @@ mod tests {
     /// Every point is in one job, and no batch is over its limits.
     #[test]
     fn batches_cover_the_query() {
-        let generous = Limits { work: u64::MAX, groups: 65_535, bytes: 1 << 27 };
+        let generous = Limits { work: u64::MAX, groups: 65_535, bytes: 1 << 27, turns: u64::MAX };
         let (queries, whole) = stack_batches(generous);
         assert_eq!(whole.len(), 1);
         assert_eq!(whole[0].points.len(), queries.points.len());
@@ -232,8 +233,12 @@ mod tests {
     /// A device that did nothing leaves zeros, which no point can have.
     #[test]
     fn empty_results_are_noticed() {
-        let (queries, batches) =
-            stack_batches(Limits { work: u64::MAX, groups: 65_535, bytes: 1 << 27 });
+        let (queries, batches) = stack_batches(Limits {
+            work: u64::MAX,
+            groups: 65_535,
+            bytes: 1 << 27,
+            turns: u64::MAX,
+        });
         let mut values = vec![1.0; queries.points.len() * 4];
         let mut weights = vec![0.5; batches[0].value_count];
         assert!(normalise(&weights, &batches[0], &mut values).is_ok());
