@@ -80,7 +80,12 @@ fn options(arguments: &ReconstructArguments) -> Options {
         (None, Some(voxels)) => Resolution::Voxels(voxels),
         (None, None) => Options::default().resolution,
     };
-    Options { resolution, smooth: arguments.smooth, device: arguments.device.into() }
+    Options {
+        resolution,
+        smooth: arguments.smooth,
+        device: arguments.device.into(),
+        spacing: arguments.spacing,
+    }
 }
 
 /// The kinds of files that a reconstruction is written to.
