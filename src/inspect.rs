@@ -45,6 +45,8 @@ pub struct Inspection {
     pub orientations: Vec<Orientation>,
     /// The materials, and *unknown* where it occurs.
     pub labels: Vec<Content>,
+    /// The sections of which something is unknown, in their order.
+    pub unknown: Vec<Unknown>,
     /// What was doubtful.
     pub warnings: Vec<Warning>,
     /// What was left out.
@@ -81,6 +83,21 @@ pub struct Content {
     pub area: f64,
 }
 
+/// How much of a section is unknown, within the rectangle around its contours
+/// and extent.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unknown {
+    /// The section's name.
+    pub section: String,
+    /// The unknown area in that rectangle, in square units; absent where there
+    /// are no contours: then all is unknown.
+    pub area: Option<f64>,
+    /// Its share of the rectangle, from 0 to 1.
+    pub share: f64,
+    /// Whether all beyond the rectangle is unknown too.
+    pub beyond: bool,
+}
+
 /// What is in sections.
 ///
 /// # Errors
@@ -107,6 +124,12 @@ pub fn inspect(sections: &Sections) -> Result<Inspection> {
         off_plane: sections.off_plane,
         orientations: orientations(&sections.sections),
         labels: contents(sections, &regions),
+        unknown: sections
+            .sections
+            .iter()
+            .zip(&regions)
+            .filter_map(|(section, regions)| unknown(section, regions))
+            .collect(),
         warnings: sections.warnings.clone(),
         left_out: sections.left_out.clone(),
         disagreements: sections.disagreements(),
@@ -134,8 +157,29 @@ fn content(sections: &Sections, regions: &[Vec<Region>], label: Label) -> Conten
         }),
         sections: regions.iter().filter(|section| section.iter().any(|region| of(&region))).count(),
         regions: bounded().count(),
-        area: bounded().map(|region| region.area).sum(),
+        area: bounded().fold(0.0, |sum, region| sum + region.area),
     }
+}
+
+/// How much of a section is unknown; `None` where all is known. The rectangle
+/// is full of bounded regions and of the unbounded one.
+fn unknown(section: &Section, regions: &[Region]) -> Option<Unknown> {
+    if !section.labels().contains(&Label::UNKNOWN) {
+        return None;
+    }
+    let name = section.name().to_owned();
+    let Some(rectangle) = section.rectangle() else {
+        return Some(Unknown { section: name, area: None, share: 1.0, beyond: true });
+    };
+    let bounded = |unknown: bool| -> f64 {
+        let of = |region: &&Region| (region.label == Label::UNKNOWN) == unknown;
+        let bounded = regions.iter().filter(|region| region.outer.is_some());
+        bounded.filter(of).fold(0.0, |sum, region| sum + region.area)
+    };
+    let beyond = section.background() == Label::UNKNOWN;
+    let area = if beyond { (rectangle.area() - bounded(false)).max(0.0) } else { bounded(true) };
+    let share = (area / rectangle.area()).min(1.0);
+    Some(Unknown { section: name, area: Some(area), share, beyond })
 }
 
 /// The planes by orientation: parallel ones together.
@@ -174,6 +218,7 @@ impl fmt::Display for Inspection {
         self.write_summary(f)?;
         self.write_orientations(f)?;
         self.write_labels(f)?;
+        self.write_unknown(f)?;
         write_told(f, "left out", &self.left_out)?;
         write_told(f, "warnings", &self.warnings)?;
         self.write_disagreements(f)
@@ -221,6 +266,23 @@ impl Inspection {
             )?;
         }
         Ok(())
+    }
+
+    fn write_unknown(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "unknown       on {} sections", self.unknown.len())?;
+        for part in self.unknown.iter().take(SHOWN) {
+            write!(f, "  {}: ", part.section)?;
+            let beyond = if part.beyond { ", and all beyond" } else { "" };
+            match part.area {
+                Some(area) => writeln!(
+                    f,
+                    "area {area:.6}, {:.1} % of the rectangle around its contours{beyond}",
+                    100.0 * part.share
+                )?,
+                None => writeln!(f, "everything")?,
+            }
+        }
+        write_more(f, self.unknown.len())
     }
 
     fn write_disagreements(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

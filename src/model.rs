@@ -116,8 +116,9 @@ impl Model {
 /// The box: all contours with a margin, in which the surface closes.
 ///
 /// # Errors
-/// When there is no contour.
+/// When there is no contour, or nothing known at all.
 fn bounds_of(sections: &Sections) -> Result<Bounds> {
+    sections.require_known()?;
     let Some(contours) = sections.bounds() else {
         return Err(Error::Option(
             "there is nothing to reconstruct: no section has a contour".to_owned(),

@@ -62,6 +62,17 @@ impl Plane {
         self.normal.normalize()
     }
 
+    /// Unit vectors along which people measure width and height on the plane:
+    /// the first is as near to x as the plane allows (to y, where the normal is
+    /// nearest to x), the second completes them and the normal to a
+    /// right-handed frame.
+    pub fn sides(&self) -> [DVec3; 2] {
+        let normal = self.unit_normal();
+        let along = if self.dropped_axis() == 0 { DVec3::Y } else { DVec3::X };
+        let first = (along - normal.dot(along) * normal).normalize();
+        [first, normal.cross(first)]
+    }
+
     /// Two unit vectors that with the unit normal form a right-handed frame.
     pub fn tangents(&self) -> [DVec3; 2] {
         let normal = self.unit_normal();

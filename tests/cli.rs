@@ -138,6 +138,7 @@ fn bad_sections_are_refused_by_name_and_nothing_is_written() {
         ("overlap.csl", &["overlap.csl", "section 12", "overlap", "near ["]),
         ("off_plane.csl", &["off_plane.csl", "section 1", "vertex 2 of loop 0", "off its plane"]),
         ("coincident.csl", &["coincident.csl", "section 3", "plane of section 1"]),
+        ("unknown.json", &["unknown.json", "everything is unknown"]),
     ];
     for (name, words) in cases {
         let folder = folder();
@@ -230,6 +231,12 @@ fn wrong_usage_ends_with_two() {
         &["reconstruct", "a.csl", "-o", "a.ply", "--method", "guess"],
         &["slice", "a.ply", "-o", "a.csl"],
         &["slice", "a.ply", "-o", "a.csl", "--plane", "0,0,0,1"],
+        &["mask", "a.csl", "-o", "a.json"],
+        &["mask", "a.csl", "-o", "a.json", "--blobs", "1"],
+        &["mask", "a.csl", "-o", "a.json", "--blobs", "0.2", "--blob-size", "0"],
+        &["mask", "a.csl", "-o", "a.json", "--extent", "3"],
+        &["mask", "a.csl", "-o", "a.json", "--extent", "3,-1"],
+        &["inspect", "a.csl", "--unknown-label", "4294967295"],
         &["compare", "a.ply"],
     ];
     for usage in usages {
@@ -265,6 +272,42 @@ fn slices_of_a_result_reconstruct_to_nearly_the_same() {
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let iou = found["iou"].as_f64().expect("a number");
     assert!((0.9..=1.0).contains(&iou), "{iou}");
+}
+
+#[test]
+fn a_mask_makes_its_part_of_every_section_unknown() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let mask = |name: &str, more: &[&str]| {
+        let mut command = transect();
+        command.arg("mask").arg(phantom()).args(more);
+        run(command.arg("-o").arg(path(name)))
+    };
+    assert_refused(&mask("a.csl", &["--blobs", "0.2"]), &["a.csl", ".json", "unknown"]);
+    assert_done(&mask("a.json", &["--blobs", "0.2", "--seed", "7"]));
+    assert_done(&mask("b.json", &["--blobs", "0.2", "--seed", "7"]));
+    assert_done(&mask("c.json", &["--blobs", "0.2", "--seed", "8"]));
+    assert_done(&mask("frames.json", &["--extent", "150,100"]));
+    let read = |name: &str| fs::read(path(name)).expect("it exists");
+    assert!(read("a.json") == read("b.json"));
+    assert!(read("a.json") != read("c.json"));
+    let inspected = |name: &str| -> serde_json::Value {
+        let output = run(transect().args(["inspect", "--json"]).arg(path(name)));
+        assert_done(&output);
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let found = inspected("a.json");
+    let unknown = found["unknown"].as_array().expect("a list");
+    assert_eq!(unknown.len(), 37);
+    for section in unknown {
+        let share = section["share"].as_f64().expect("a number");
+        assert!((share - 0.2).abs() < 1e-3, "{section}");
+    }
+    assert_eq!((&found["units"], &found["frame"]), (&"mm".into(), &"LPS".into()));
+    assert_eq!(found["labels"][0]["name"], "vessels");
+    let frames = inspected("frames.json");
+    let beyond = frames["unknown"].as_array().expect("a list").iter();
+    assert_eq!(beyond.filter(|section| section["beyond"] == true).count(), 37);
 }
 
 #[test]

@@ -50,6 +50,9 @@ const GOOD: &[Good] = &[
     good("mirrored.contour", [2, 7, 7], &[(1, 1.0), (2, 2.0)], [0, 0]),
     good("loops.json", [2, 14, 15], &[(3, 15.0), (4, 4.0), (UNKNOWN, 1.0)], [0, 0]),
     good("graph.json", [1, 3, 3], &[(1, 2.0), (UNKNOWN, 0.0)], [0, 0]),
+    // What reaches beyond the extents, 2 and 1 units of area, is left out.
+    good("extent_beyond.json", [2, 20, 22], &[(1, 4.0), (2, 1.0), (UNKNOWN, 0.0)], [2, 0]),
+    good("unknown.json", [2, 0, 0], &[(UNKNOWN, 0.0)], [0, 0]),
 ];
 
 /// Bad files, and words that their errors must hold beside the file's name.
@@ -85,6 +88,17 @@ const BAD: &[(&str, &[&str])] = &[
     ("unlabelled.json", &["section axial (sections[0])", "loops[1]", "label"]),
     ("color.json", &["labels[0]", "\"red\"", "#rrggbb"]),
     ("truncated.json", &["line", "EOF"]),
+    (
+        "extent_crossing.json",
+        &["section frame 7 (sections[0])", "its extent crosses itself at [2, 2, 5]"],
+    ),
+    ("extent_points.json", &["section frame 7 (sections[0])", "its extent has 2 points"]),
+    ("extent_flat.json", &["section frame 7 (sections[0])", "its extent encloses no area"]),
+    (
+        "extent_off_plane.json",
+        &["section frame 7 (sections[0])", "vertex 2 of its extent", "0.250000 off its plane"],
+    ),
+    ("frames.csl", &["section 2 (line 14)", "plane of section 1", "disagrees"]),
     ("square.txt", &["not known", ".csl, .contour, .json"]),
     ("nothing", &["not known"]),
 ];
@@ -156,6 +170,67 @@ fn strict_refuses_what_is_doubtful() {
     for clean in ["square.csl", "hole.csl", "degenerate.csl", "mirrored.contour", "loops.json"] {
         assert!(read_sections(&corpus(clean), &strict).is_ok(), "{clean}");
     }
+}
+
+/// A file, a label that means unknown in it, and the areas that are left.
+type Forgotten = (&'static str, u32, &'static [(u32, f64)]);
+
+const FORGOTTEN: &[Forgotten] = &[
+    ("organs.csl", 2, &[(1, 16.0), (4, 1.0), (UNKNOWN, 8.0)]),
+    ("organs.csl", 0, &[(1, 16.0), (2, 8.0), (4, 1.0), (UNKNOWN, 0.0)]),
+    ("junction.contour", 2, &[(1, 1.5), (3, 0.5), (UNKNOWN, 2.0)]),
+    // Which side is left is told by outside, whatever that means.
+    ("mirrored.contour", 0, &[(1, 1.0), (2, 2.0), (UNKNOWN, 0.0)]),
+    ("mirrored.contour", 2, &[(1, 1.0), (UNKNOWN, 2.0)]),
+    ("loops.json", 4, &[(3, 15.0), (UNKNOWN, 5.0)]),
+    // Two frames of one plane: each knows what the other does not.
+    ("frames.csl", 9, &[(1, 8.0)]),
+];
+
+fn forgetful(label: u32, strict: bool) -> Rules {
+    Rules { unknown: Some(Label(label)), strict, ..Rules::default() }
+}
+
+#[test]
+fn an_ordinary_label_can_mean_unknown_in_every_kind_of_file() {
+    for &(file, label, areas) in FORGOTTEN {
+        let sections = read_sections(&corpus(file), &forgetful(label, false)).unwrap();
+        assert_areas(file, &inspect(&sections).unwrap(), areas);
+        assert!(sections.materials.iter().all(|material| material.id != label), "{file}");
+        let edges = sections.sections.iter().flat_map(Section::edges);
+        assert!(edges.into_iter().all(|edge| edge.left != edge.right), "{file}");
+    }
+}
+
+#[test]
+fn a_label_that_means_unknown_should_occur() {
+    for file in ["organs.csl", "junction.contour", "loops.json"] {
+        let sections = read_sections(&corpus(file), &forgetful(77, false)).unwrap();
+        assert_eq!(sections.warnings.len(), 1);
+        assert_says(&sections.warnings[0].what, &["label 77", "unknown", "does not occur"]);
+        let error = failure(file, &forgetful(77, true));
+        assert_says(&error, &[file, "label 77", "does not occur", "--strict"]);
+    }
+    // In one of several files is enough.
+    let paths = [corpus("square.csl"), corpus("graph.json"), corpus("junction.contour")];
+    assert!(read_all(&paths, &forgetful(3, true)).is_ok());
+    let error = read_all(&paths, &forgetful(4, true)).map(|_| ()).unwrap_err().to_string();
+    assert_says(&error, &["square.csl", "junction.contour", "label 4"]);
+}
+
+#[test]
+fn inspection_tells_what_is_unknown() {
+    let found = inspect(&read("loops.json")).unwrap();
+    // A unit square within the frame of 8 × 6; and a plane of which nothing is known.
+    let [frame, bare] = &found.unknown[..] else { panic!("{:?}", found.unknown) };
+    assert_eq!((frame.section.as_str(), frame.area, frame.beyond), ("axial", Some(1.0), true));
+    assert!((frame.share - 1.0 / 48.0).abs() < 1e-12);
+    assert_eq!((bare.section.as_str(), bare.area, bare.share), ("2", None, 1.0));
+    assert_says(&found.to_string(), &["unknown       on 2 sections", "2.1 %", "2: everything"]);
+    assert!(inspect(&read("organs.csl")).unwrap().unknown.is_empty());
+    // Half of the frame: the triangle's hypotenuse is the diagonal.
+    let found = inspect(&read("graph.json")).unwrap();
+    assert_eq!((found.unknown[0].area, found.unknown[0].share), (Some(2.0), 0.5));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::field::Device;
+use crate::label::Label;
 use crate::section::{Overlap, Rules};
 
 /// Volumes and surfaces from labelled planar cross-sections of any orientation.
@@ -21,6 +22,8 @@ pub enum Command {
     Reconstruct(ReconstructArguments),
     /// Cut a mesh with planes into sections
     Slice(SliceArguments),
+    /// Make parts of sections unknown, for experiments
+    Mask(MaskArguments),
     /// Tell what is in section files, and what is wrong with it
     Inspect(InspectArguments),
     /// Measure how far a mesh is from a reference
@@ -87,6 +90,9 @@ pub struct ReadingArguments {
     /// Who wins where loops of different labels overlap, instead of an error
     #[arg(long, value_enum)]
     pub overlap: Option<OverlapName>,
+    /// The label that means unknown in these files; 0 leaves only materials known
+    #[arg(long, value_name = "ID", value_parser = clap::value_parser!(u32).range(..i64::from(u32::MAX)))]
+    pub unknown_label: Option<u32>,
 }
 
 impl ReadingArguments {
@@ -96,7 +102,8 @@ impl ReadingArguments {
             OverlapName::Last => Overlap::Last,
             OverlapName::Smallest => Overlap::Smallest,
         });
-        Rules { overlap, strict: self.strict, ..Rules::default() }
+        let unknown = self.unknown_label.map(Label);
+        Rules { overlap, unknown, strict: self.strict, ..Rules::default() }
     }
 }
 
@@ -128,6 +135,35 @@ pub struct SliceArguments {
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// No progress, no warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("parts").required(true).multiple(true)))]
+pub struct MaskArguments {
+    /// Section files: .csl, .contour, .json
+    #[arg(required = true, value_name = "SECTIONS")]
+    pub sections: Vec<PathBuf>,
+    /// Random blobs that cover this part, between 0 and 1, of the rectangle around every section's contours
+    #[arg(long, value_name = "FRACTION", group = "parts", value_parser = fraction)]
+    pub blobs: Option<f64>,
+    /// The size of blobs, relative to the rectangle's longer side
+    #[arg(long, value_name = "PART", default_value_t = 0.2, requires = "blobs",
+          value_parser = blob_size)]
+    pub blob_size: f64,
+    /// What the blobs are drawn from
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+    /// All beyond a frame of this width and height around the middle of every section's contours; width is measured along x where the plane allows
+    #[arg(long, value_name = "W,H", group = "parts", value_parser = two_lengths)]
+    pub extent: Option<[f64; 2]>,
+    /// The section file to write: .json
+    #[arg(short, long, value_name = "FILE.json")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    /// No warnings
     #[arg(short, long)]
     pub quiet: bool,
 }
@@ -206,6 +242,26 @@ fn positive(text: &str) -> Result<f64, String> {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("a positive number is needed".to_owned()),
     }
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
+        _ => Err("a number between 0 and 1 is needed".to_owned()),
+    }
+}
+
+fn blob_size(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (0.02..=1.0).contains(&number) => Ok(number),
+        _ => Err("a number from 0.02 to 1 is needed".to_owned()),
+    }
+}
+
+fn two_lengths(text: &str) -> Result<[f64; 2], String> {
+    let lengths: Vec<f64> =
+        text.split(',').map(|length| positive(length.trim())).collect::<Result<_, _>>()?;
+    lengths.try_into().map_err(|_| "two lengths W,H are needed".to_owned())
 }
 
 fn four_numbers(text: &str) -> Result<[f64; 4], String> {

@@ -4,6 +4,7 @@ mod args;
 mod bars;
 mod compare;
 mod inspect;
+mod mask;
 mod reconstruct;
 mod slice;
 mod table;
@@ -46,6 +47,7 @@ fn dispatch(command: &Command) -> Result<()> {
     match command {
         Command::Reconstruct(arguments) => reconstruct::run(arguments),
         Command::Slice(arguments) => slice::run(arguments),
+        Command::Mask(arguments) => mask::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
     }

@@ -45,7 +45,8 @@ pub fn read(text: &str, file: &Path, rules: &Rules) -> Result<Sections> {
             Section::from_graph(&raw.name, *plane, points, edges, diagonal, rules)
         })
     };
-    let mut sections = settle_sides(make(&raw), || make(&mirrored(&raw)))?;
+    let mut sections =
+        settle_sides(make(&raw), || make(&mirrored(&raw)), rules.meaning(Label::OUTSIDE))?;
     super::refuse_rest(&mut rows, count, file, rules, &mut sections)?;
     Ok(sections)
 }
@@ -112,13 +113,15 @@ fn mirrored(raw: &[Raw<Content>]) -> Vec<Raw<Content>> {
 }
 
 /// labelA as the left one where that is consistent; a single ring is
-/// consistent both ways, and then *outside* must lie outside.
+/// consistent both ways, and then *outside*, or what it means here, must lie
+/// outside.
 fn settle_sides(
     left: Result<Sections>,
     right: impl FnOnce() -> Result<Sections>,
+    far: Label,
 ) -> Result<Sections> {
     let outside = |sections: &Sections| {
-        sections.sections.iter().filter(|section| section.background() == Label::OUTSIDE).count()
+        sections.sections.iter().filter(|section| section.background() == far).count()
     };
     match left {
         Ok(left) if outside(&left) == left.sections.len() => Ok(left),

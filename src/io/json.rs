@@ -313,7 +313,11 @@ fn make(raw: &Raw<Content>, diagonal: f64, rules: &Rules) -> Result<(Section, Fi
         section = section.with_background(background)?;
     }
     if let Some(extent) = &content.extent {
-        let (within, found) = section.within(extent, diagonal, rules)?;
+        let loops: &[Loop] = match &content.contours {
+            Contours::Loops(loops) => loops,
+            Contours::Graph(..) => &[],
+        };
+        let (within, found) = section.within(extent, loops, diagonal, rules)?;
         section = within;
         findings.append(found);
     }

@@ -31,6 +31,13 @@ pub const KINDS: &str = ".csl, .contour, .json";
 /// Where the file cannot be read or breaks a rule; the error names the file,
 /// the section and the place.
 pub fn read_sections(path: &Path, rules: &Rules) -> Result<Sections> {
+    let mut sections = read_file(path, rules)?;
+    sections.expect_unknown(rules)?;
+    Ok(sections)
+}
+
+/// One of several files: a label that means *unknown* may be in another.
+fn read_file(path: &Path, rules: &Rules) -> Result<Sections> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let read: fn(&str, &Path, &Rules) -> Result<Sections> = match ending.as_str() {
         "csl" => csl::read,
@@ -54,8 +61,10 @@ pub fn read_all(paths: &[PathBuf], rules: &Rules) -> Result<Sections> {
     if let [path] = paths {
         return read_sections(path, rules);
     }
-    let parts = paths.iter().map(|path| read_sections(path, rules)).collect::<Result<Vec<_>>>()?;
-    Sections::join(parts, rules)
+    let parts = paths.iter().map(|path| read_file(path, rules)).collect::<Result<Vec<_>>>()?;
+    let mut sections = Sections::join(parts, rules)?;
+    sections.expect_unknown(rules)?;
+    Ok(sections)
 }
 
 fn read_text(path: &Path) -> Result<String> {
@@ -99,13 +108,17 @@ fn check<T: Sync>(
         raw.par_iter().map(|raw| make(raw).map_err(|error| at(file, raw, error))).collect();
     let mut sections = Vec::with_capacity(made.len());
     let mut found = Findings::default();
+    let mut unknown_occurs = false;
     for result in made {
         let (section, findings) = result?;
-        sections.push(section);
+        unknown_occurs |= rules.unknown.is_some_and(|label| section.labels().contains(&label));
+        // Before sections of one plane are merged: each completes the other.
+        sections.push(section.relabelled(|label| rules.meaning(label)));
         found.append(findings);
     }
     let mut sections = Sections::new(sections, rules).map_err(|error| in_file(file, raw, error))?;
     sections.note(found);
+    sections.unknown_occurs = unknown_occurs;
     Ok(sections)
 }
 

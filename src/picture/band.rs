@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::camera::Camera;
 use super::occlusion::Occlusion;
 use super::raster::{NOTHING, ScreenPoint, Target, edge_functions, rows};
-use super::scene::{Layer, Scene};
+use super::scene::{Layer, Scene, Stroke};
 use super::shade;
 
 /// Rows of pixels in a band.
@@ -169,7 +169,7 @@ impl<'a> Canvas<'a> {
         let layer = &self.scene.solid;
         let Some(facet) = layer.facets.get(id as usize) else {
             let stroke = &layer.strokes[id as usize - layer.facets.len()];
-            return shade::stroke(self.albedo[usize::from(stroke.material)]);
+            return self.stroke(stroke);
         };
         let place = Vec2::new(at[0] as f32 + 0.5, at[1] as f32 + 0.5) / self.samples as f32;
         let to_eye = -self.camera.unproject(place, 1.0).normalize();
@@ -182,13 +182,19 @@ impl<'a> Canvas<'a> {
         let layer = &self.scene.glass[number - 1];
         let Some(facet) = layer.facets.get(id as usize) else {
             let stroke = &layer.strokes[id as usize - layer.facets.len()];
-            let color = shade::stroke(self.albedo[usize::from(stroke.material)]);
-            return (color, shade::GLASS_STROKE);
+            return (self.stroke(stroke), shade::GLASS_STROKE);
         };
         let place = Vec2::new(at[0] as f32 + 0.5, at[1] as f32 + 0.5) / self.samples as f32;
         let to_eye = -self.camera.unproject(place, 1.0).normalize();
         let normal = self.normal(layer, id, at);
         shade::glass(self.albedo[usize::from(facet.material)], normal, to_eye)
+    }
+
+    fn stroke(&self, stroke: &Stroke) -> Vec3 {
+        match stroke.material {
+            Some(material) => shade::stroke(self.albedo[usize::from(material)]),
+            None => shade::unknown_stroke(),
+        }
     }
 
     /// The normal in the camera's space, linear over the facet in space.

@@ -27,8 +27,9 @@ pub struct Facet {
 pub struct Stroke {
     /// Its ends, in the scene's space.
     pub ends: [Vec3; 2],
-    /// Index into [`Scene::materials`].
-    pub material: u16,
+    /// Index into [`Scene::materials`]; `None` for the border of what is
+    /// unknown.
+    pub material: Option<u16>,
 }
 
 /// What is drawn into one depth buffer.
@@ -123,8 +124,14 @@ impl Scene {
                 let ends = [edge.start, edge.end].map(|v| (section.point(v) - center).as_vec3());
                 let (left, right) = (roles.role(edge.left), roles.role(edge.right));
                 let shown = if left >= right { edge.left } else { edge.right };
-                if let Some(layer) = self.layer(roles.role(shown)) {
-                    layer.strokes.push(Stroke { ends, material: roles.index(shown) });
+                let unknown = [edge.left, edge.right].contains(&Label::UNKNOWN);
+                let role = match roles.role(shown) {
+                    Role::Nothing if unknown => Role::Solid,
+                    role => role,
+                };
+                let material = (!unknown).then(|| roles.index(shown));
+                if let Some(layer) = self.layer(role) {
+                    layer.strokes.push(Stroke { ends, material });
                 }
             }
         }

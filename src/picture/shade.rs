@@ -36,6 +36,11 @@ pub fn stroke(albedo: Vec3) -> Vec3 {
     albedo * 0.10
 }
 
+/// The colour of the border of what is unknown: a light neutral grey.
+pub fn unknown_stroke() -> Vec3 {
+    linear([168, 168, 170])
+}
+
 /// How much a contour on glass hides.
 pub const GLASS_STROKE: f32 = 0.30;
 

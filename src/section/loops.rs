@@ -81,7 +81,7 @@ fn area(points: &[DVec2]) -> f64 {
     0.5 * twice.abs()
 }
 
-fn odd(winding: i32) -> bool {
+pub(super) fn odd(winding: i32) -> bool {
     winding % 2 != 0
 }
 
@@ -135,7 +135,11 @@ fn widen(range: &mut (i32, i32), winding: i32) {
 }
 
 /// The vertices around which a curve's winding spans more than one.
-fn crossings(subdivision: &Subdivision, windings: &[Windings], curve: u32) -> Vec<DVec2> {
+pub(super) fn crossings(
+    subdivision: &Subdivision,
+    windings: &[Windings],
+    curve: u32,
+) -> Vec<DVec2> {
     let mut around: BTreeMap<u32, (i32, i32)> = BTreeMap::new();
     for edge in &subdivision.edges {
         if edge.covers.iter().any(|cover| cover.curve == curve) {

@@ -2,14 +2,17 @@
 
 mod agreement;
 mod draft;
+mod extent;
 mod graph;
 mod loops;
 mod overlay;
+mod rectangle;
 mod regions;
 mod sections;
 mod subdivision;
 #[cfg(test)]
 mod tests;
+mod unknown;
 
 use std::path::PathBuf;
 
@@ -21,6 +24,8 @@ use crate::label::{Label, Material};
 use crate::plane::Plane;
 
 pub use agreement::Disagreement;
+pub(crate) use extent::COVERED;
+pub use rectangle::Rectangle;
 pub use regions::Region;
 
 /// An edge of a section's planar graph, with a label on either side as seen
@@ -139,6 +144,9 @@ pub struct Sections {
     /// The largest distance of a vertex off its plane as the files give it, in
     /// world units; vertices are put on their planes.
     pub off_plane: f64,
+    /// Whether the label that means *unknown* ([`Rules::unknown`]) occurs in the
+    /// files.
+    pub unknown_occurs: bool,
     /// The files they came from.
     pub files: Vec<PathBuf>,
 }
@@ -173,13 +181,22 @@ pub struct Rules {
     pub tolerance: f64,
     /// Who wins where loops overlap; without it that is an error.
     pub overlap: Option<Overlap>,
+    /// An ordinary label that means *unknown* in the files.
+    pub unknown: Option<Label>,
     /// Whether every warning is an error.
     pub strict: bool,
 }
 
+impl Rules {
+    /// What a label of a file stands for.
+    pub fn meaning(&self, label: Label) -> Label {
+        if self.unknown == Some(label) { Label::UNKNOWN } else { label }
+    }
+}
+
 impl Default for Rules {
     fn default() -> Self {
-        Self { tolerance: 1e-3, overlap: None, strict: false }
+        Self { tolerance: 1e-3, overlap: None, unknown: None, strict: false }
     }
 }
 

@@ -1,16 +1,13 @@
 //! Two sections of one plane laid over each other: the merging of coincident
-//! planes, and extents.
+//! planes, extents and masks.
 
 use glam::{DVec2, DVec3};
 
 use super::draft::{Draft, stretch};
 use super::subdivision::{Curves, Subdivision, Windings, times};
-use super::{Edge, Findings, Loop, Rules, Section};
+use super::{Edge, Section};
 use crate::error::Result;
 use crate::label::Label;
-
-/// The label that stands for the inside of an extent.
-const WITHIN: Label = Label(1);
 
 /// Two sections over each other.
 pub(super) struct Overlay {
@@ -46,15 +43,23 @@ impl Overlay {
     /// The area on which both sections speak and say different things, and a
     /// place there.
     pub fn conflict(&self, draft: &Draft) -> Option<(f64, DVec3)> {
-        let areas = self.subdivision.areas();
-        let differs = |face: &usize| {
-            let [first, second] = self.labels[*face];
+        self.part(draft, |[first, second]| {
             first != second && first != Label::UNKNOWN && second != Label::UNKNOWN
-        };
-        let worst =
-            (0..areas.len()).filter(differs).max_by(|&a, &b| areas[a].total_cmp(&areas[b]))?;
-        let area: f64 = (0..areas.len()).filter(differs).map(|face| areas[face]).sum();
-        let place = draft.place(self.subdivision.place(worst));
+        })
+    }
+
+    /// The area of the faces with certain labels, in world units, and a place
+    /// on the largest of them.
+    pub fn part(
+        &self,
+        draft: &Draft,
+        belongs: impl Fn([Label; 2]) -> bool,
+    ) -> Option<(f64, DVec3)> {
+        let areas = self.subdivision.areas();
+        let faces = || (0..areas.len()).filter(|&face| belongs(self.labels[face]));
+        let largest = faces().max_by(|&a, &b| areas[a].total_cmp(&areas[b]))?;
+        let area: f64 = faces().map(|face| areas[face]).sum();
+        let place = draft.place(self.subdivision.place(largest));
         Some((area * stretch(&draft.plane), place))
     }
 
@@ -89,40 +94,6 @@ fn label(windings: &Windings, section: &Section, labels: &[Label], first: usize)
 }
 
 impl Section {
-    /// This section within an extent: a polygon on its plane, beyond which all
-    /// is unknown.
-    pub fn within(
-        &self,
-        extent: &[DVec3],
-        diagonal: f64,
-        rules: &Rules,
-    ) -> Result<(Self, Findings)> {
-        let polygon = Loop { points: extent.to_vec(), label: WITHIN, hole_of: None };
-        let mut draft = Draft::new(&self.name, self.plane, diagonal, rules)?;
-        let (mask, findings) =
-            Self::from_loops(&self.name, self.plane, &[polygon], diagonal, rules)
-                .map_err(|error| draft.error(format!("its extent: {error}")))?;
-        if mask.edges.is_empty() {
-            return Err(draft.error("its extent encloses no area: correct it or leave it out"));
-        }
-        draft.findings.off_plane = findings.off_plane;
-        for warning in findings.warnings {
-            draft.warn(format!("its extent: {}", warning.what))?;
-        }
-        let overlay = Overlay::new(&draft, [self, &mask])?;
-        let beyond = |[label, mask]: &[Label; 2]| label.is_material() && *mask != WITHIN;
-        if overlay.labels.iter().any(beyond) {
-            draft.warn("contours reach beyond its extent: that part is left out".to_owned())?;
-        }
-        let section = overlay.section(
-            &draft,
-            |[label, mask]| {
-                if mask == WITHIN { label } else { Label::UNKNOWN }
-            },
-        );
-        Ok((section, draft.findings))
-    }
-
     /// The same partition seen from the other side: for a plane that is this
     /// one's with the opposite normal.
     pub(super) fn turned(&self, onto: &Self) -> Self {

@@ -87,6 +87,7 @@ impl Sections {
         self.warnings.append(&mut part.warnings);
         self.left_out.append(&mut part.left_out);
         self.off_plane = self.off_plane.max(part.off_plane);
+        self.unknown_occurs |= part.unknown_occurs;
         self.files.append(&mut part.files);
         Ok(())
     }

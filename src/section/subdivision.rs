@@ -292,7 +292,7 @@ impl Subdivision {
 }
 
 /// The points that edges end in, in their order; the edges are renumbered.
-fn keep_used(points: &[DVec2], edges: &mut [Edge]) -> Vec<DVec2> {
+pub(super) fn keep_used(points: &[DVec2], edges: &mut [Edge]) -> Vec<DVec2> {
     let mut numbers = vec![u32::MAX; points.len()];
     for edge in edges.iter() {
         numbers[edge.start as usize] = 0;

@@ -290,17 +290,106 @@ fn contradictory_graphs_are_refused() {
 fn an_extent_makes_the_rest_unknown() {
     let section = clean(&[square(1, [0.0, 0.0], 2.0)]);
     let extent = square(0, [-1.0, -1.0], 4.0).points;
-    let (within, findings) = section.within(&extent, 10.0, &Rules::default()).unwrap();
+    let (within, findings) = section.within(&extent, &[], 10.0, &Rules::default()).unwrap();
     assert!(findings.warnings.is_empty());
     assert_eq!(within.background, Label::UNKNOWN);
     assert_eq!(within.edges.len(), 8);
     assert_eq!(areas(&within), [(Label(1), 4.0)]);
     let small = square(0, [1.0, 1.0], 4.0).points;
-    let (within, findings) = section.within(&small, 10.0, &Rules::default()).unwrap();
+    let (within, findings) = section.within(&small, &[], 10.0, &Rules::default()).unwrap();
     assert_eq!(areas(&within), [(Label(1), 1.0)]);
-    assert_says(&findings.warnings[0].what, &["beyond its extent"]);
-    let flat = [DVec3::ZERO, DVec3::X];
-    assert_says(&error_of(section.within(&flat, 10.0, &Rules::default())), &["extent", "no area"]);
+    // Three of the square's four units of area are beyond; its graph knows no loops.
+    let told = "label 1 reaches beyond its extent (area 3.000e0, near [";
+    assert_says(&findings.warnings[0].what, &[told, "that part is left out"]);
+    assert_eq!(findings.warnings.len(), 1);
+}
+
+#[test]
+fn loops_beyond_an_extent_are_named() {
+    // Loops 0 and 3 cross the border x = 3, loop 4 lies beyond it, and the hole
+    // in loop 3 hides nothing of it; loop 2 is inside.
+    let loops = [
+        square(2, [2.0, 0.0], 2.0),
+        hole(3, square(1, [3.5, 3.5], 1.0)),
+        square(1, [0.0, 0.0], 1.0),
+        square(1, [2.0, 3.0], 2.5),
+        square(1, [6.0, 0.0], 1.0),
+    ];
+    let section = clean(&loops);
+    let extent = polygon(0, &[[-1.0, -1.0], [3.0, -1.0], [3.0, 9.0], [-1.0, 9.0]]).points;
+    let (within, findings) = section.within(&extent, &loops, 10.0, &Rules::default()).unwrap();
+    let told: Vec<&str> = findings.warnings.iter().map(|warning| warning.what.as_str()).collect();
+    assert_eq!(told.len(), 2);
+    // 1.5 × 2.5 less the hole's 1, and 1.
+    assert_says(told[0], &["label 1 (loops 3, 4) reaches beyond its extent (area 3.750e0, near ["]);
+    assert_says(told[1], &["label 2 (loop 0) reaches beyond its extent (area 2.000e0, near ["]);
+    assert_eq!(areas(&within), [(Label(1), 3.5), (Label(2), 2.0)]);
+    let strict = Rules { strict: true, ..Rules::default() };
+    let error = error_of(section.within(&extent, &loops, 10.0, &strict));
+    assert_says(&error, &["section s", "loops 3, 4", "--strict"]);
+    // What means unknown may reach anywhere.
+    let forgetful = Rules { unknown: Some(Label(1)), ..Rules::default() };
+    let findings = section.within(&extent, &loops, 10.0, &forgetful).unwrap().1;
+    assert_eq!(findings.warnings.len(), 1);
+}
+
+#[test]
+fn an_extent_must_be_a_polygon_on_the_plane() {
+    let section = clean(&[square(1, [0.0, 0.0], 2.0)]);
+    let refused = |points: &[[f64; 2]], words: &[&str]| {
+        let extent = polygon(0, points).points;
+        let error = error_of(section.within(&extent, &[], 10.0, &Rules::default()));
+        assert_says(&error, &["section s: its extent"]);
+        assert_says(&error, words);
+    };
+    refused(&[[0.0, 0.0], [1.0, 0.0]], &["has 2 points", "needs three"]);
+    refused(&[[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]], &["encloses no area"]);
+    let bow = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]];
+    refused(&bow, &["crosses itself at [1, 1, 0]", "order of its points"]);
+    let mut off = square(0, [0.0, 0.0], 3.0).points;
+    off[2].z = 0.5;
+    let error = error_of(section.within(&off, &[], 10.0, &Rules::default()));
+    assert_says(&error, &["vertex 2 of its extent at [3, 3, 0.5]", "0.500000 off its plane"]);
+    // Touching itself is no crossing.
+    let pinched = [[0.0, 0.0], [2.0, 2.0], [4.0, 0.0], [4.0, 4.0], [2.0, 2.0], [0.0, 4.0]];
+    let extent = polygon(0, &pinched).points;
+    let within = section.within(&extent, &[], 10.0, &Rules::default()).unwrap().0;
+    assert_eq!(areas(&within), [(Label(1), 2.0)]);
+}
+
+#[test]
+fn a_label_that_means_unknown_takes_its_edges_with_it() {
+    // 1 | 2 | 3 side by side in the unknown: 2 goes, and with it all but the
+    // borders of 1 and 3.
+    let row = [square(1, [0.0, 0.0], 1.0), square(2, [1.0, 0.0], 1.0), square(3, [2.0, 0.0], 1.0)];
+    let extent = square(0, [-1.0, -1.0], 5.0).points;
+    let within = clean(&row).within(&extent, &[], 10.0, &Rules::default()).unwrap().0;
+    let meaning = |rules: Rules| move |label| rules.meaning(label);
+    let forget = |label| Rules { unknown: Some(Label(label)), ..Rules::default() };
+    let section = within.clone().relabelled(meaning(forget(2)));
+    assert_valid(&section);
+    assert_eq!(areas(&section), [(Label(1), 1.0), (Label(3), 1.0), (Label::UNKNOWN, 1.0)]);
+    assert_eq!(section.edges.len(), within.edges.len());
+    // Outside goes: the extent's border and that between it and the rest.
+    let section = within.relabelled(meaning(forget(0)));
+    assert_valid(&section);
+    assert_eq!((section.vertices.len(), section.edges.len()), (8, 10));
+    assert_eq!(section.background, Label::UNKNOWN);
+    let section = section.relabelled(|_| Label::UNKNOWN);
+    assert_eq!((section.vertices.len(), section.edges.len()), (0, 0));
+    let unknown = Sections::new(vec![section], &Rules::default()).unwrap();
+    assert_says(&unknown.require_known().unwrap_err().to_string(), &["everything is unknown"]);
+}
+
+#[test]
+fn sections_do_not_disagree_about_what_is_unknown() {
+    // On the x axis: 1 from 0 to 2 and unknown beyond 1.5, against outside.
+    let flat = named("flat", FLAT, &[square(1, [0.0, -1.0], 2.0)]);
+    let extent = square(0, [-3.5, -2.0], 5.0).points;
+    let flat = flat.within(&extent, &[], 10.0, &Rules::default()).unwrap().0;
+    let wall = named("wall", Plane { normal: DVec3::Y, offset: 0.0 }, &[]);
+    let found = Sections::new(vec![flat, wall], &Rules::default()).unwrap().disagreements();
+    assert_eq!((found.len(), found[0].length, found[0].occupied), (1, 1.5, 1.5));
 }
 
 fn named(name: &str, plane: Plane, loops: &[Loop]) -> Section {
@@ -328,7 +417,7 @@ fn two_frames_of_one_plane_complete_each_other() {
     let whole = named("whole", FLAT, &[square(1, [0.0, 0.0], 2.0)]);
     let frame = |x: f64| square(0, [x, -1.0], 4.0).points;
     let rules = Rules::default();
-    let [left, right] = [-3.0, 1.0].map(|x| whole.within(&frame(x), 10.0, &rules).unwrap().0);
+    let [left, right] = [-3.0, 1.0].map(|x| whole.within(&frame(x), &[], 10.0, &rules).unwrap().0);
     assert_eq!(areas(&left), [(Label(1), 2.0)]);
     let both = Sections::new(vec![left, right], &rules).unwrap();
     assert_eq!(both.sections.len(), 1);

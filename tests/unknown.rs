@@ -1,0 +1,114 @@
+//! What becomes of unknown regions: noise stays local, and neighbouring
+//! sections say what is there (Bermano, Figs. 10 and 11).
+
+use std::path::Path;
+
+use transect::change::Change;
+use transect::check::{Check, Options as CheckOptions, check};
+use transect::grid::lattice::Resolution;
+use transect::io::json;
+use transect::mesh::facts::Facts;
+use transect::model::{Model, Options};
+use transect::progress::Silent;
+use transect::section::Rules;
+use transect::stage::Stages;
+
+/// Reconstructs sections given as the entries of our JSON format.
+fn reconstruct(sections: &[String], voxels: u32) -> Check {
+    let sections = sections.join(",\n");
+    let text = format!(r#"{{"transect": "sections", "version": 1, "sections": [{sections}]}}"#);
+    let rules = Rules::default();
+    let sections = json::read(&text, Path::new("test"), &rules).expect("sections");
+    let options = Options { resolution: Resolution::Voxels(voxels), ..Options::default() };
+    let mut model = Model::new(options);
+    let mut stages = Stages::default();
+    model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
+    let derived = model.derived().expect("something was derived");
+    let options = CheckOptions { self_intersections: false };
+    let check =
+        check(&model.sections().sections, &derived.mesh, &derived.samples.lattice, options, &Silent)
+            .expect("it can be checked");
+    assert!(check.is_sound());
+    check
+}
+
+fn facts(check: &Check, label: u32) -> &Facts {
+    &check.labels.iter().find(|found| found.label == label).expect("the label occurs").facts
+}
+
+/// A loop on z = `height`.
+fn polygon(label: &str, height: f64, points: &[[f64; 2]]) -> String {
+    let points: Vec<String> = points.iter().map(|[x, y]| format!("[{x}, {y}, {height}]")).collect();
+    format!(r#"{{"label": {label}, "points": [{}]}}"#, points.join(", "))
+}
+
+fn square(label: &str, height: f64, [x, y]: [f64; 2], half: f64) -> String {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    polygon(label, height, &corners.map(|[u, v]| [x + half * u, y + half * v]))
+}
+
+/// A regular polygon of 64 corners around (x, 0).
+fn circle(height: f64, x: f64, radius: f64) -> String {
+    let corner = |i: u32| {
+        let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 64.0).sin_cos();
+        [x + radius * cos, radius * sin]
+    };
+    polygon("1", height, &(0..64).map(corner).collect::<Vec<_>>())
+}
+
+fn flat(height: f64, loops: &[String]) -> String {
+    let loops = loops.join(", ");
+    format!(r#"{{"normal": [0, 0, 1], "offset": {height}, "loops": [{loops}]}}"#)
+}
+
+/// Two cylinders of radius 1 around x = ±2, with noise on the middle section.
+fn cylinders(noise: &[String]) -> Check {
+    let plain = |height: f64| vec![circle(height, -2.0, 1.0), circle(height, 2.0, 1.0)];
+    let mut middle = plain(2.0);
+    middle.extend_from_slice(noise);
+    reconstruct(&[flat(0.0, &plain(0.0)), flat(2.0, &middle), flat(4.0, &plain(4.0))], 96)
+}
+
+#[test]
+fn noise_between_two_cylinders_does_not_join_them() {
+    let clean = cylinders(&[]);
+    // Touches the circles in the points x = ±1, which are corners of theirs.
+    let patch = [[-1.0, 0.0], [0.0, -0.5], [1.0, 0.0], [0.0, 0.5]];
+    let noisy = cylinders(&[polygon(r#""unknown""#, 2.0, &patch)]);
+    let [clean, noisy] = [&clean, &noisy].map(|check| facts(check, 1));
+    for facts in [clean, noisy] {
+        assert_eq!((facts.components, facts.genus), (2, 0), "{facts:?}");
+    }
+    let ratio = noisy.volume / clean.volume;
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+}
+
+#[test]
+fn a_few_spots_do_not_outweigh_the_neighbouring_sections() {
+    // Two large squares of label 1, and between them a section of which nothing
+    // is known but four spots of label 2 (a hundredth of the squares' area).
+    let wide = |height: f64| flat(height, &[square("1", height, [0.0, 0.0], 4.0)]);
+    let spots = [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]];
+    let mut vertices = Vec::new();
+    let mut edges = Vec::new();
+    for (spot, [x, y]) in spots.into_iter().enumerate() {
+        for (i, [u, v]) in [[-0.2, -0.2], [0.2, -0.2], [0.2, 0.2], [-0.2, 0.2]].iter().enumerate() {
+            vertices.push(format!("[{}, {}, 1]", x + u, y + v));
+            let (start, end) = (4 * spot + i, 4 * spot + (i + 1) % 4);
+            edges.push(format!(r#"[{start}, {end}, 2, "unknown"]"#));
+        }
+    }
+    let middle = format!(
+        r#"{{"normal": [0, 0, 1], "offset": 1, "vertices": [{}], "edges": [{}]}}"#,
+        vertices.join(", "),
+        edges.join(", ")
+    );
+    let check = reconstruct(&[wide(0.0), middle, wide(2.0)], 96);
+    let (first, second) = (facts(&check, 1), facts(&check, 2));
+    assert_eq!(second.components, 4, "{second:?}");
+    assert_eq!(first.components - first.cavities, 1, "{first:?}");
+    // The spots as wide as they are, through the whole slab, would be a
+    // hundredth of it.
+    let share = second.volume / (first.volume + second.volume);
+    assert!(share < 0.02, "{share}");
+}
