@@ -7,6 +7,7 @@ mod inspect;
 mod reconstruct;
 mod slice;
 mod table;
+mod targets;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
