@@ -87,7 +87,9 @@ fn scalar(header: &NiftiHeader) -> std::result::Result<Scalar, String> {
         Ok(NiftiType::Float64) => Scalar::F64,
         _ => {
             let code = header.datatype;
-            return Err(format!("its voxels (datatype {code}) are no labels: export whole numbers"));
+            return Err(format!(
+                "its voxels (datatype {code}) are no labels: export whole numbers"
+            ));
         }
     })
 }

@@ -66,8 +66,12 @@ mod tests {
         write(&mesh, &About { materials: &materials, ..About::default() }, &mut bytes).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         let groups: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("g ")).collect();
-        let expected =
-            ["left_lung_1__outside", "left_lung_1__left_lung_2", "outside_3__outside", "label_4__outside"];
+        let expected = [
+            "left_lung_1__outside",
+            "left_lung_1__left_lung_2",
+            "outside_3__outside",
+            "label_4__outside",
+        ];
         assert_eq!(groups, expected);
     }
 }

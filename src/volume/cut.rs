@@ -89,7 +89,7 @@ impl Lattice {
         (0..self.size[0] - 1).flat_map(move |column| {
             let [a, b] = [column, column + 1].map(|column| [column, row]);
             let [c, d] = [column, column + 1].map(|column| [column, row + 1]);
-            if row % 2 == 0 { [[a, b, c], [b, d, c]] } else { [[a, b, d], [a, d, c]] }
+            if row.is_multiple_of(2) { [[a, b, c], [b, d, c]] } else { [[a, b, d], [a, d, c]] }
         })
     }
 }
@@ -100,9 +100,7 @@ fn crossings(corners: &[DVec3; 8], plane: &Plane) -> Vec<DVec3> {
     let edges = (0..8).flat_map(|corner| (0..3).map(move |axis| (corner, corner | 1 << axis)));
     edges
         .filter(|&(from, to)| from != to && (above[from] >= 0.0) != (above[to] >= 0.0))
-        .map(|(from, to)| {
-            corners[from].lerp(corners[to], above[from] / (above[from] - above[to]))
-        })
+        .map(|(from, to)| corners[from].lerp(corners[to], above[from] / (above[from] - above[to])))
         .collect()
 }
 
@@ -204,9 +202,7 @@ impl<'a> Tracer<'a> {
     /// equal; in its middle if that is not inside.
     fn junction(&mut self, nodes: [Node; 3]) -> u32 {
         let at = nodes.map(|node| self.indices(node.at));
-        let shares = nodes.map(|own| {
-            DVec3::from(at.map(|at| self.volume.share(at, own.label)))
-        });
+        let shares = nodes.map(|own| DVec3::from(at.map(|at| self.volume.share(at, own.label))));
         // Barycentric weights w with w·(s₀ − s₁) = w·(s₀ − s₂) = 0.
         let weights = (shares[0] - shares[1]).cross(shares[0] - shares[2]);
         let weights = weights / weights.element_sum();

@@ -45,7 +45,9 @@ impl Header {
         let field = line.split_once(": ").or_else(|| line.split_once(':'));
         match (line.split_once(":="), field) {
             // Whichever sign comes first: a key may hold the other in its value.
-            (Some((key, value)), field) if field.is_none_or(|(name, _)| key.len() <= name.len()) => {
+            (Some((key, value)), field)
+                if field.is_none_or(|(name, _)| key.len() <= name.len()) =>
+            {
                 self.keys.insert(key.to_owned(), value.to_owned());
             }
             (_, Some((name, value))) => {
