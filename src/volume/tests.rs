@@ -67,7 +67,8 @@ fn a_plane_beyond_the_materials_is_outside() {
 #[test]
 fn four_labels_meet_in_junctions_and_share_the_plane() {
     let volume = volume([20, 20, 3], |[i, j, _]| 1 + u32::from(i > 9) + 2 * u32::from(j > 9));
-    let plane = Plane { normal: DVec3::new(0.1, -0.05, 1.0), offset: 1.0 };
+    // At height 1 in the middle, (9.5, 9.5), and within the volume elsewhere.
+    let plane = Plane { normal: DVec3::new(0.05, -0.02, 1.0), offset: 1.285 };
     let cut = volume.cut(&plane);
     let areas = areas(&cut, plane.normal);
     // A quarter of 20 × 20 each, on a tilted plane larger by 1/cos.
