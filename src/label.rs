@@ -47,6 +47,14 @@ impl Material {
     pub fn numbered(label: Label) -> Self {
         Self { id: label.0, name: format!("label {}", label.0), color: distinct_color(label.0) }
     }
+
+    /// The name as one word that any file may be called: what is neither
+    /// letter nor digit becomes `_`.
+    pub fn word(&self) -> String {
+        let safe = |letter: char| letter.is_alphanumeric() || letter == '-';
+        let word: String = self.name.chars().map(|c| if safe(c) { c } else { '_' }).collect();
+        if word.is_empty() { format!("label_{}", self.id) } else { word }
+    }
 }
 
 /// Colours of equal lightness whose hues follow the golden angle, so that any

@@ -46,3 +46,4 @@ pub mod report;
 pub mod section;
 pub mod slice;
 pub mod stage;
+pub mod volume;

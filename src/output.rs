@@ -54,13 +54,22 @@ impl Outputs {
     pub fn reserve<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
         let mut outputs = Self::default();
         for path in paths {
-            let output = Output::reserve(path)?;
-            if outputs.files.iter().any(|other| other.target == output.target && !output.special) {
-                return Err(Error::file(path, "is named twice as an output"));
-            }
-            outputs.files.push(output);
+            outputs.add(path)?;
         }
         Ok(outputs)
+    }
+
+    /// Makes sure that one more file can be written.
+    ///
+    /// # Errors
+    /// As [`Outputs::reserve`].
+    pub fn add(&mut self, path: &Path) -> Result<()> {
+        let output = Output::reserve(path)?;
+        if self.files.iter().any(|other| other.target == output.target && !output.special) {
+            return Err(Error::file(path, "is named twice as an output"));
+        }
+        self.files.push(output);
+        Ok(())
     }
 
     /// Writes the content of a reserved file through a buffer.

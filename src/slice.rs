@@ -1,4 +1,5 @@
-//! Sections from meshes: a closed mesh cut by planes, exact to rounding.
+//! Sections from solids: a closed mesh, exact to rounding, or a volume of
+//! labels, cut by planes.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -6,22 +7,24 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::label::Label;
 use crate::mesh::Mesh;
+use crate::mesh::cut::Cut;
 use crate::plane::{Bounds, Plane};
 use crate::random::Random;
 use crate::section::{Rules, Section};
+use crate::volume::LabelVolume;
 
 /// The planes of a cut.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Family {
     /// `count` planes normal to an axis (0, 1 or 2), number i at the part
-    /// (i + ½)/count of the mesh's extent.
+    /// (i + ½)/count of the solid's extent.
     Axis {
         /// x, y or z.
         axis: usize,
         /// How many.
         count: u32,
     },
-    /// Planes of random orientation through random places in the mesh's box;
+    /// Planes of random orientation through random places in the solid's box;
     /// the same ones for the same seed.
     Random {
         /// How many.
@@ -34,7 +37,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// The planes that cut a mesh within these bounds.
+    /// The planes that cut a solid within these bounds.
     ///
     /// # Errors
     /// When the axis is none of 0, 1 and 2, or a given plane is none.
@@ -94,11 +97,34 @@ fn random_plane(random: &mut Random, bounds: &Bounds) -> Plane {
 pub fn slice(mesh: &Mesh, planes: &[Plane]) -> Result<Vec<Section>> {
     check(mesh)?;
     let diagonal = mesh.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    sections(planes, diagonal, |plane| mesh.cut(plane))
+}
+
+/// Cuts a volume of labels by planes, one section each, in their order. The
+/// label of a point is the one with the largest share of the voxels around it,
+/// so that borders run between voxels; beyond the volume is outside.
+///
+/// # Errors
+/// When all of it is outside.
+pub fn slice_volume(volume: &LabelVolume, planes: &[Plane]) -> Result<Vec<Section>> {
+    let bounds = volume.bounds().ok_or_else(|| Error::Option(NOTHING.to_owned()))?;
+    sections(planes, bounds.diagonal(), |plane| volume.cut(plane))
+}
+
+/// What is wrong with a volume that holds 0 alone.
+const NOTHING: &str = "it holds no label but 0, which is outside: there is nothing to cut";
+
+/// One section a plane, in their order.
+fn sections(
+    planes: &[Plane],
+    diagonal: f64,
+    cut: impl Fn(&Plane) -> Cut + Sync,
+) -> Result<Vec<Section>> {
     planes
         .par_iter()
         .enumerate()
         .map(|(number, plane)| {
-            let cut = mesh.cut(plane);
+            let cut = cut(plane);
             let name = format!("plane {}", number + 1);
             let rules = Rules::default();
             Section::from_graph(&name, *plane, &cut.points, &cut.edges, diagonal, &rules)

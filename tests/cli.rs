@@ -74,7 +74,7 @@ fn entries(folder: &Path) -> Vec<String> {
 #[test]
 fn every_kind_of_output_is_written_and_stdout_stays_empty() {
     let folder = folder();
-    let names = ["a.obj", "a.off", "a.ply", "a.png", "a.stl", "a.vdb"];
+    let names = ["a.obj", "a.off", "a.ply", "a.png", "a.stl", "a.vdb", "a.vtp", "a.vtu"];
     let report = folder.path().join("report.json");
     let more = ["--report", report.to_str().expect("a path in UTF-8")];
     let output = reconstruct(folder.path(), &names, &more);
@@ -366,4 +366,34 @@ fn real_contour_files_reconstruct() {
         command.arg("reconstruct").arg(path).args(COARSE);
         assert_done(&run(command.arg("-o").arg(folder.path().join("a.ply"))));
     }
+}
+
+#[test]
+fn a_surface_for_each_label_appears_with_the_others() {
+    let folder = folder();
+    let output = reconstruct(folder.path(), &["a.vtp", "a_{label}.off", "b_{name}.vtu"], &[]);
+    assert_done(&output);
+    let names = entries(folder.path());
+    assert_eq!(names.len(), 1 + 7 + 7, "{names:?}");
+    for label in 1..=7 {
+        // Every one is closed and faces outward: it is no distance from
+        // itself, without a warning.
+        let mesh = folder.path().join(format!("a_{label}.off"));
+        let output = run(transect().args(["compare", "--json"]).args([&mesh, &mesh]));
+        assert_done(&output);
+        assert_eq!(stderr(&output), "");
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(found["iou"], 1.0);
+    }
+    assert!(names.contains(&"b_liver.vtu".to_owned()), "{names:?}");
+}
+
+#[test]
+fn names_for_labels_that_cannot_be_are_refused() {
+    let folder = folder();
+    assert_refused(&reconstruct(folder.path(), &["{label}.vdb"], &[]), &["only surfaces"]);
+    let taken = reconstruct(folder.path(), &["a_3.ply", "a_{label}.ply"], &[]);
+    assert_refused(&taken, &["a_3.ply", "named twice"]);
+    assert_refused(&reconstruct(folder.path(), &["no/{label}.ply"], &[]), &["does not exist"]);
+    assert!(entries(folder.path()).is_empty());
 }

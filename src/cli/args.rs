@@ -20,7 +20,7 @@ pub struct Arguments {
 pub enum Command {
     /// Turn sections into volumes, surfaces, pictures and a report
     Reconstruct(ReconstructArguments),
-    /// Cut a mesh with planes into sections
+    /// Cut a mesh or a volume of labels with planes into sections
     Slice(SliceArguments),
     /// Make parts of sections unknown, for experiments
     Mask(MaskArguments),
@@ -35,7 +35,7 @@ pub struct ReconstructArguments {
     /// Section files: .csl, .contour, .json
     #[arg(required = true, value_name = "SECTIONS")]
     pub sections: Vec<PathBuf>,
-    /// An output file, its kind by its name: .vdb, .ply, .obj, .stl, .off, .png; can be repeated
+    /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// How space between the sections is filled: mvc is the mean-value indicator
@@ -110,9 +110,9 @@ impl ReadingArguments {
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("planes").required(true)))]
 pub struct SliceArguments {
-    /// A closed mesh: .ply (with labels or without), .obj, .stl, .off
-    #[arg(value_name = "MESH")]
-    pub mesh: PathBuf,
+    /// A closed mesh: .ply (with labels or without), .obj, .stl, .off; or a volume of labels: .nrrd, .nii, .nii.gz
+    #[arg(value_name = "SOLID")]
+    pub solid: PathBuf,
     /// Parallel planes, normal to this axis; with --count
     #[arg(long, value_enum, group = "planes", requires = "count")]
     pub axis: Option<AxisName>,

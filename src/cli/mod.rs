@@ -8,6 +8,7 @@ mod mask;
 mod reconstruct;
 mod slice;
 mod table;
+mod targets;
 
 use std::io::{self, Write};
 use std::process::ExitCode;

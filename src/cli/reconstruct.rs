@@ -2,10 +2,11 @@
 //! report out.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::args::ReconstructArguments;
 use super::bars::Watcher;
+use super::targets::{Kind, Target};
 use super::{print_warnings, table};
 use crate::change::Change;
 use crate::check::{self, check};
@@ -14,6 +15,8 @@ use crate::grid::lattice::Resolution;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
+use crate::label::Material;
+use crate::mesh::Mesh;
 use crate::model::{Derived, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
@@ -23,11 +26,11 @@ use crate::stage::Stages;
 
 /// Reconstructs and writes.
 pub fn run(arguments: &ReconstructArguments) -> Result<()> {
-    let kinds = arguments.output.iter().map(|path| Kind::of(path)).collect::<Result<Vec<_>>>()?;
+    let targets =
+        arguments.output.iter().map(|path| Target::new(path)).collect::<Result<Vec<_>>>()?;
     let grids =
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
-    let paths = arguments.output.iter().chain(&arguments.report).map(PathBuf::as_path);
-    let mut outputs = Outputs::reserve(paths)?;
+    let mut outputs = reserve(arguments, &targets)?;
     super::limit_threads(arguments.threads)?;
 
     let watcher = Watcher::new(arguments.quiet);
@@ -41,6 +44,10 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     })?;
     if !arguments.quiet {
         print_warnings(&sections);
+    }
+    for target in targets.iter().filter(|target| target.is_pattern()) {
+        let files = target.files(&sections.materials)?;
+        files.iter().try_for_each(|(path, _)| outputs.add(path))?;
     }
     let mut model = Model::new(options(arguments));
     model.apply(Change::Add(sections), &rules, &mut stages, watcher.progress())?;
@@ -56,10 +63,11 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     if !checked.is_sound() {
         return Err(Error::Bug { stage: "check", what: "a surface is not closed".to_owned() });
     }
-    for (path, kind) in arguments.output.iter().zip(kinds) {
-        stages.run(kind.stage(), |_| {
-            watcher.progress().begin(kind.stage(), 0);
-            write(&mut outputs, path, kind, model.sections(), derived, &grids)
+    for target in &targets {
+        let stage = target.kind.stage();
+        stages.run(stage, |_| {
+            watcher.progress().begin(stage, 0);
+            write(&mut outputs, target, model.sections(), derived, &grids)
         })?;
     }
     let report = Report::new(&model, derived, checked, &stages);
@@ -88,66 +96,75 @@ fn options(arguments: &ReconstructArguments) -> Options {
     }
 }
 
-/// The kinds of files that a reconstruction is written to.
-#[derive(Debug, Clone, Copy)]
-enum Kind {
-    Vdb,
-    Mesh(MeshKind),
-    Picture,
-}
-
-impl Kind {
-    fn of(path: &Path) -> Result<Self> {
-        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        match (ending.as_str(), MeshKind::of(path)) {
-            ("vdb", _) => Ok(Self::Vdb),
-            ("png", _) => Ok(Self::Picture),
-            (_, Some(kind)) => Ok(Self::Mesh(kind)),
-            _ => Err(Error::file(
-                path,
-                "this kind of file is not known: the name of an output ends in .vdb, .ply, .obj, \
-                 .stl, .off or .png",
-            )),
-        }
-    }
-
-    fn stage(self) -> &'static str {
-        match self {
-            Self::Vdb => "volumes",
-            Self::Mesh(_) => "surfaces",
-            Self::Picture => "picture",
-        }
-    }
+/// All files whose names are known before anything is read.
+fn reserve(arguments: &ReconstructArguments, targets: &[Target]) -> Result<Outputs> {
+    let known = arguments.output.iter().zip(targets).filter(|(_, target)| !target.is_pattern());
+    let known = known.map(|(path, _)| path);
+    Outputs::reserve(known.chain(&arguments.report).map(|path| path.as_path()))
 }
 
 fn write(
     outputs: &mut Outputs,
+    target: &Target,
+    sections: &Sections,
+    derived: &Derived,
+    grids: &[GridName],
+) -> Result<()> {
+    for (path, label) in target.files(&sections.materials)? {
+        match (target.kind, label) {
+            (Kind::Mesh(kind), None) => {
+                write_surface(outputs, &path, kind, &derived.mesh, &About::from(sections))?;
+            }
+            (Kind::Mesh(kind), Some(label)) => {
+                let part = derived.mesh.surface(label).into_mesh(label);
+                let own: Vec<Material> = sections.material(label).cloned().into_iter().collect();
+                let about = About { materials: &own, ..About::from(sections) };
+                write_surface(outputs, &path, kind, &part, &about)?;
+            }
+            (Kind::Vdb, _) => write_volumes(outputs, &path, sections, derived, grids)?,
+            (Kind::Picture, _) => write_picture(outputs, &path, sections, &derived.mesh)?,
+        }
+    }
+    Ok(())
+}
+
+fn write_surface(
+    outputs: &mut Outputs,
     path: &Path,
-    kind: Kind,
+    kind: MeshKind,
+    mesh: &Mesh,
+    about: &About,
+) -> Result<()> {
+    outputs.write(path, |out| {
+        write_mesh(kind, mesh, about, out).map_err(|error| write_error(path, &error))
+    })
+}
+
+fn write_volumes(
+    outputs: &mut Outputs,
+    path: &Path,
     sections: &Sections,
     derived: &Derived,
     grids: &[GridName],
 ) -> Result<()> {
     let Derived { samples, mesh, .. } = derived;
     let Sections { materials, units, frame, .. } = sections;
-    match kind {
-        Kind::Vdb => {
-            let lattice = &samples.lattice;
-            let contents = VdbContents { lattice, mesh, samples, materials, units, frame, grids };
-            outputs.write_at(path, |temporary| vdb::write(temporary, &contents))
-        }
-        Kind::Mesh(kind) => outputs.write(path, |out| {
-            write_mesh(kind, mesh, &About::from(sections), out)
-                .map_err(|error| write_error(path, &error))
-        }),
-        Kind::Picture => {
-            let options = PictureOptions::default();
-            let image = picture::render(mesh, &sections.sections, materials, &options);
-            outputs.write(path, |out| {
-                picture::write_png(&image, out).map_err(|error| write_error(path, &error))
-            })
-        }
-    }
+    let lattice = &samples.lattice;
+    let contents = VdbContents { lattice, mesh, samples, materials, units, frame, grids };
+    outputs.write_at(path, |temporary| vdb::write(temporary, &contents))
+}
+
+fn write_picture(
+    outputs: &mut Outputs,
+    path: &Path,
+    sections: &Sections,
+    mesh: &Mesh,
+) -> Result<()> {
+    let options = PictureOptions::default();
+    let image = picture::render(mesh, &sections.sections, &sections.materials, &options);
+    outputs.write(path, |out| {
+        picture::write_png(&image, out).map_err(|error| write_error(path, &error))
+    })
 }
 
 fn write_json(path: &Path, report: &Report, out: &mut dyn Write) -> Result<()> {

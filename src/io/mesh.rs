@@ -6,6 +6,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::vtk::{self, DataSet};
 use super::{obj, off, ply, stl};
 use crate::error::{Error, Result};
 use crate::ffi::measure;
@@ -13,7 +14,7 @@ use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::section::Sections;
 
-/// The kinds of files that meshes are read from and written to.
+/// The kinds of files that meshes are read from.
 pub const MESH_KINDS: &str = ".ply, .obj, .stl, .off";
 
 /// A kind of mesh file.
@@ -27,6 +28,10 @@ pub enum MeshKind {
     Stl,
     /// Object file format: no labels.
     Off,
+    /// VTK's polygons, for ParaView: keeps everything; written only.
+    Vtp,
+    /// VTK's unstructured grid, the same; written only.
+    Vtu,
 }
 
 impl MeshKind {
@@ -37,6 +42,8 @@ impl MeshKind {
             "obj" => Some(Self::Obj),
             "stl" => Some(Self::Stl),
             "off" => Some(Self::Off),
+            "vtp" => Some(Self::Vtp),
+            "vtu" => Some(Self::Vtu),
             _ => None,
         }
     }
@@ -85,7 +92,7 @@ impl About<'_> {
 }
 
 /// Writes a mesh. Of a network of several labels all triangles are written,
-/// those between materials, too; only PLY says which is which, and OBJ in the
+/// those between materials, too; PLY and VTK say which is which, and OBJ in the
 /// names of its groups.
 ///
 /// # Errors
@@ -102,6 +109,8 @@ pub fn write_mesh(
         MeshKind::Obj => obj::write(mesh, about, &mut out),
         MeshKind::Stl => stl::write(mesh, about, &mut out),
         MeshKind::Off => off::write(mesh, about, &mut out),
+        MeshKind::Vtp => vtk::write(DataSet::PolyData, mesh, about, &mut out),
+        MeshKind::Vtu => vtk::write(DataSet::UnstructuredGrid, mesh, about, &mut out),
     }?;
     out.flush()
 }
@@ -113,9 +122,16 @@ pub fn write_mesh(
 /// # Errors
 /// Where the file cannot be read, is empty, damaged, or has no triangle.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
-    let Some(kind) = MeshKind::of(path) else {
-        let what = format!("this kind of file is not known: meshes are read from {MESH_KINDS}");
-        return Err(Error::file(path, what));
+    let kind = match MeshKind::of(path) {
+        Some(MeshKind::Vtp | MeshKind::Vtu) => {
+            let what = format!("this kind is written, not read: meshes are read from {MESH_KINDS}");
+            return Err(Error::file(path, what));
+        }
+        Some(kind) => kind,
+        None => {
+            let what = format!("this kind of file is not known: meshes are read from {MESH_KINDS}");
+            return Err(Error::file(path, what));
+        }
     };
     let bytes = std::fs::read(path).map_err(|error| Error::file(path, super::reason(&error)))?;
     if bytes.is_empty() {
@@ -123,7 +139,7 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
     }
     let mesh = match kind {
         MeshKind::Ply => ply::read(&bytes, path)?,
-        MeshKind::Obj | MeshKind::Stl | MeshKind::Off => {
+        _ => {
             drop(bytes);
             read_soup(path)?
         }
@@ -236,6 +252,7 @@ mod tests {
             read_mesh(&path).unwrap_err().to_string()
         };
         assert!(bad("a.xyz", "1").contains("kind"));
+        assert!(bad("a.vtp", "1").contains("not read"));
         assert!(bad("a.off", "").contains("empty"));
         assert!(bad("b.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n").contains("b.off"));
         assert!(bad("c.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n").contains("c.off"));

@@ -4,12 +4,16 @@ pub mod contour;
 pub mod csl;
 pub mod json;
 pub mod mesh;
+pub mod nifti;
+pub mod nrrd;
 pub mod obj;
 pub mod off;
 pub mod ply;
 pub mod stl;
 mod text;
 pub mod vdb;
+pub mod volume;
+pub mod vtk;
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -63,6 +63,13 @@ impl Mesh {
 }
 
 impl Surface {
+    /// The surface of a label as a mesh of its own, outside in front of it.
+    pub fn into_mesh(self, label: Label) -> Mesh {
+        let Self { vertices, triangles } = self;
+        let sides = vec![[label, Label::OUTSIDE]; triangles.len()];
+        Mesh { vertices, triangles, sides }
+    }
+
     /// The corners of a triangle in space.
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
