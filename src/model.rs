@@ -37,11 +37,14 @@ pub struct Options {
     pub smooth: u32,
     /// Where the field is evaluated.
     pub device: Device,
+    /// What is on the box's faces: [`Label::OUTSIDE`] closes every surface in
+    /// the box, [`Label::UNKNOWN`] lets materials leave it.
+    pub border: Label,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { resolution: Resolution::Voxels(256), smooth: 4, device: Device::Auto }
+        Self { resolution: Resolution::Voxels(256), smooth: 4, device: Device::Auto, border: Label::OUTSIDE }
     }
 }
 
@@ -136,7 +139,7 @@ fn derive(
 
     let arrangement = stages.run("arrangement", |counts| {
         progress.begin("arrangement", 0);
-        let arrangement = Arrangement::new(all, bounds, Label::OUTSIDE)?;
+        let arrangement = Arrangement::new(all, bounds, options.border)?;
         let sound = arrangement.sanity_check();
         sound.map_err(|what| Error::Bug { stage: "arrangement", what })?;
         counts.insert("planes".into(), all.len() as u64);

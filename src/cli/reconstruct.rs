@@ -14,6 +14,8 @@ use crate::grid::lattice::Resolution;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
+use crate::mesh::Mesh;
+use crate::mesh::caps::CAP_TOLERANCE;
 use crate::model::{Derived, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
@@ -47,8 +49,10 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let derived = model
         .derived()
         .ok_or_else(|| Error::Bug { stage: "model", what: "nothing was derived".to_owned() })?;
+    // With caps the surfaces are closed as they would be without a box.
+    let open = derived.samples.open.filter(|_| !arguments.caps);
     let checked = stages.run("check", |_| {
-        let options = check::Options { self_intersections: false };
+        let options = check::Options { open, ..check::Options::default() };
         let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
         check(&model.sections().sections, mesh, lattice, options, watcher.progress())
     })?;
@@ -56,10 +60,13 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     if !checked.is_sound() {
         return Err(Error::Bug { stage: "check", what: "a surface is not closed".to_owned() });
     }
+    let tolerance = CAP_TOLERANCE * derived.samples.lattice.voxel;
+    let opened = open.map(|bounds| derived.mesh.without_caps(bounds, tolerance));
+    let surfaces = opened.as_ref().unwrap_or(&derived.mesh);
     for (path, kind) in arguments.output.iter().zip(kinds) {
         stages.run(kind.stage(), |_| {
             watcher.progress().begin(kind.stage(), 0);
-            write(&mut outputs, path, kind, model.sections(), derived, &grids)
+            write(&mut outputs, path, kind, model.sections(), derived, surfaces, &grids)
         })?;
     }
     let report = Report::new(&model, derived, checked, &stages);
@@ -80,7 +87,12 @@ fn options(arguments: &ReconstructArguments) -> Options {
         (None, Some(voxels)) => Resolution::Voxels(voxels),
         (None, None) => Options::default().resolution,
     };
-    Options { resolution, smooth: arguments.smooth, device: arguments.device.into() }
+    Options {
+        resolution,
+        smooth: arguments.smooth,
+        device: arguments.device.into(),
+        border: arguments.border.into(),
+    }
 }
 
 /// The kinds of files that a reconstruction is written to.
@@ -121,6 +133,7 @@ fn write(
     kind: Kind,
     sections: &Sections,
     derived: &Derived,
+    surfaces: &Mesh,
     grids: &[GridName],
 ) -> Result<()> {
     let Derived { samples, mesh, .. } = derived;
@@ -128,16 +141,18 @@ fn write(
     match kind {
         Kind::Vdb => {
             let lattice = &samples.lattice;
-            let contents = VdbContents { lattice, mesh, samples, materials, units, frame, grids };
+            let sections = &sections.sections;
+            let contents =
+                VdbContents { lattice, mesh, samples, sections, materials, units, frame, grids };
             outputs.write_at(path, |temporary| vdb::write(temporary, &contents))
         }
         Kind::Mesh(kind) => outputs.write(path, |out| {
-            write_mesh(kind, mesh, &About::from(sections), out)
+            write_mesh(kind, surfaces, &About::from(sections), out)
                 .map_err(|error| write_error(path, &error))
         }),
         Kind::Picture => {
             let options = PictureOptions::default();
-            let image = picture::render(mesh, &sections.sections, materials, &options);
+            let image = picture::render(surfaces, &sections.sections, materials, &options);
             outputs.write(path, |out| {
                 picture::write_png(&image, out).map_err(|error| write_error(path, &error))
             })

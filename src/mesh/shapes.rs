@@ -32,7 +32,7 @@ pub fn samples(lattice: Lattice, values: impl Fn([i32; 3]) -> Vec<f32>) -> Sampl
         leaves.push(Leaf { at, materials: (0..nodes[0].len()).map(material).collect() });
     }
     let tiles = vec![Label::OUTSIDE; (x * y * z) as usize];
-    Samples { lattice, leaves, tiles }
+    Samples { lattice, leaves, tiles, open: None }
 }
 
 /// The mesh of one solid, from a signed distance that is positive inside, on

@@ -61,11 +61,16 @@ impl Field for Balls {
 struct Halves {
     bounds: Bounds,
     split: f64,
+    open: bool,
 }
 
 impl Cells for Halves {
     fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    fn is_open(&self) -> bool {
+        self.open
     }
 
     fn locate(&self, point: DVec3) -> u32 {
@@ -99,7 +104,7 @@ fn node_label(samples: &Samples, node: [i32; 3]) -> Label {
 #[test]
 fn every_node_of_two_balls_has_the_right_label() {
     let balls = Balls::new(&[(DVec3::splat(-0.3), 0.45), (DVec3::new(0.5, 0.4, 0.45), 0.4)]);
-    let cells = Halves { bounds: cube(1.0), split: 0.95 };
+    let cells = Halves { bounds: cube(1.0), split: 0.95, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(50)).unwrap();
     let Sampling { samples, points } = run(&balls, &cells, lattice, 1);
     samples.sanity_check().unwrap();
@@ -122,7 +127,7 @@ fn every_node_of_two_balls_has_the_right_label() {
 #[test]
 fn a_surface_on_the_box_is_closed_outside_of_it() {
     let balls = Balls::new(&[(DVec3::ZERO, 10.0)]);
-    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     for resolution in [6, 7, 14, 15, 16, 30] {
         let lattice = Lattice::new(cells.bounds, Resolution::Voxels(resolution)).unwrap();
         let samples = run(&balls, &cells, lattice, 1).samples;
@@ -136,7 +141,7 @@ fn a_surface_on_the_box_is_closed_outside_of_it() {
 #[test]
 fn a_wider_margin_keeps_the_surface_from_tiles() {
     let balls = Balls::new(&[(DVec3::splat(0.1), 0.61)]);
-    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
     let narrow = run(&balls, &cells, lattice, 1).samples;
     let wide = run(&balls, &cells, lattice, 4).samples;
@@ -159,7 +164,7 @@ fn contours_find_what_the_coarse_lattice_misses() {
     // A ball of three nodes' width between the coarse nodes.
     let center = DVec3::new(0.02, 0.03, 0.01);
     let balls = Balls::new(&[(center, 0.045)]);
-    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
     assert!(run(&balls, &cells, lattice, 1).samples.leaves.is_empty());
 
@@ -186,7 +191,7 @@ fn contours_find_what_the_coarse_lattice_misses() {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let balls = Balls::new(&[(DVec3::splat(-0.3), 0.45), (DVec3::new(0.5, 0.4, 0.45), 0.4)]);
-    let cells = Halves { bounds: cube(1.0), split: 0.95 };
+    let cells = Halves { bounds: cube(1.0), split: 0.95, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(60)).unwrap();
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

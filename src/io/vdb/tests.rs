@@ -3,14 +3,17 @@ use std::fs;
 use glam::DVec3;
 
 use super::*;
+use crate::check::shapes::disc;
 use crate::grid::distance::tests::sphere;
 use crate::grid::samples::{LEAF_NODES, LeafValues};
+use crate::plane::Plane;
 
 /// A ball of label 7 in the middle of a lattice of 40 nodes a side.
 struct Ball {
     lattice: Lattice,
     mesh: Mesh,
     samples: Samples,
+    sections: Vec<Section>,
     materials: Vec<Material>,
 }
 
@@ -45,9 +48,12 @@ impl Ball {
         let leaves = (0..125).filter(|&index| index != middle).map(leaf).collect();
         let mut tiles = vec![Label::OUTSIDE; 125];
         tiles[middle] = Label(7);
-        let samples = Samples { lattice, leaves, tiles };
+        let samples = Samples { lattice, leaves, tiles, open: None };
         let materials = vec![Material { id: 7, name: "Leber".to_owned(), color: [200, 16, 0] }];
-        Self { lattice, mesh, samples, materials }
+        // A disc through the centre, normal to z.
+        let plane = Plane { normal: DVec3::Z, offset: center.z };
+        let sections = vec![disc(plane, RADIUS * lattice.voxel, 40, Label(7))];
+        Self { lattice, mesh, samples, sections, materials }
     }
 
     fn contents<'a>(&'a self, grids: &'a [GridName]) -> VdbContents<'a> {
@@ -55,6 +61,7 @@ impl Ball {
             lattice: &self.lattice,
             mesh: &self.mesh,
             samples: &self.samples,
+            sections: &self.sections,
             materials: &self.materials,
             units: "mm",
             frame: "",
