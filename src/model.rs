@@ -44,7 +44,12 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { resolution: Resolution::Voxels(256), smooth: 4, device: Device::Auto, border: Label::OUTSIDE }
+        Self {
+            resolution: Resolution::Voxels(256),
+            smooth: 4,
+            device: Device::Auto,
+            border: Label::OUTSIDE,
+        }
     }
 }
 

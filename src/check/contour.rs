@@ -300,6 +300,25 @@ mod tests {
     }
 
     #[test]
+    fn what_is_unknown_makes_nothing_thin() {
+        // A strip one voxel wide, beyond whose lower side nothing is known.
+        let corners = [[0.0, 0.0], [20.0, 0.0], [20.0, 1.0], [0.0, 1.0]].map(DVec2::from);
+        let mut section = section(FLOOR, &corners, Label(1));
+        assert!((0..4).all(|vertex| Surroundings::new(&section, 1.0).is_thin(vertex, Label(1))));
+        section.vertices.extend([[25.0, -9.0], [-5.0, -9.0]].map(DVec2::from));
+        section.edges[0].right = Label::UNKNOWN;
+        let around = [[1, 4], [4, 5], [5, 0]];
+        section.edges.extend(around.map(|[start, end]| crate::section::Edge {
+            start,
+            end,
+            left: Label::OUTSIDE,
+            right: Label::UNKNOWN,
+        }));
+        let known = Surroundings::new(&section, 1.0);
+        assert!(!known.is_thin(2, Label(1)) && !known.is_thin(3, Label(1)));
+    }
+
+    #[test]
     fn contours_on_a_ball_are_near_and_others_are_as_far_as_they_are() {
         let ball = solid(61, 1.0, |point| 0.8 - point.length());
         let voxel = 2.0 / 60.0;

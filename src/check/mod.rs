@@ -103,9 +103,7 @@ impl Check {
     /// box where caps are left out.
     pub fn is_sound(&self) -> bool {
         self.labels.iter().all(|label| {
-            label.facts.outward
-                && (label.facts.closed || label.open_edges > 0)
-                && label.open_at_box
+            label.facts.outward && (label.facts.closed || label.open_edges > 0) && label.open_at_box
         })
     }
 }
@@ -217,7 +215,7 @@ mod tests {
 
     use super::*;
     use crate::mesh::dual;
-    use crate::mesh::shapes::samples;
+    use crate::mesh::shapes::{cylinder, open_samples, samples};
     use crate::plane::Plane;
     use crate::progress::Silent;
 
@@ -257,5 +255,36 @@ mod tests {
         let pooled = 2.0 * 0.16 / (0.16 + 0.16 + 0.39);
         assert!((check.dice.mean - pooled).abs() < 0.01, "{}", check.dice.mean);
         assert!(check.contours.largest < 0.1);
+    }
+
+    #[test]
+    fn a_cylinder_without_caps_is_sound_where_it_leaves_the_box_only() {
+        let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+        let (radius, voxel) = (0.6, 0.04);
+        let samples = open_samples(bounds, 50, cylinder(radius, voxel));
+        let mesh = dual(&samples, &Silent).unwrap();
+        let plane = Plane { normal: DVec3::Z, offset: 0.3 };
+        let sections = [shapes::disc(plane, radius, 200, Label(1))];
+        let check = |mesh: &Mesh, open| {
+            let options = Options { open, ..Options::default() };
+            super::check(&sections, mesh, &samples.lattice, options, &Silent).unwrap()
+        };
+        let lateral = 2.0 * PI * radius * 2.0;
+        let disc = PI * radius * radius;
+        for (open, area) in [(None, lateral + 2.0 * disc), (Some(bounds), lateral)] {
+            let check = check(&mesh, open);
+            let LabelCheck { facts, open_edges, open_at_box, .. } = &check.labels[0];
+            assert!(check.is_sound() && facts.outward && *open_at_box);
+            assert_eq!((facts.closed, *open_edges > 0), (open.is_none(), open.is_some()));
+            assert!((facts.volume / (2.0 * disc) - 1.0).abs() < 2e-3);
+            assert!((facts.area / area - 1.0).abs() < 2e-3);
+            assert!(check.dice.min > 0.99);
+        }
+        // In a box that is said to be larger, the same ends are holes.
+        let larger = bounds.grown(0.1);
+        assert!(check(&mesh, Some(larger)).is_sound(), "there are no caps in that box");
+        let holed = mesh.without_caps(bounds, 0.0);
+        assert!(!check(&holed, Some(larger)).is_sound());
+        assert!(!check(&holed, None).is_sound());
     }
 }

@@ -149,3 +149,57 @@ impl Roots {
         self.parent[one.max(other) as usize] = one.min(other);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::shapes::section;
+    use crate::label::Label;
+    use crate::mesh::shapes::solid;
+    use crate::plane::Plane;
+
+    fn plane(z: f64) -> Section {
+        section(Plane { normal: DVec3::Z, offset: z }, &[], Label::OUTSIDE)
+    }
+
+    #[test]
+    fn the_cap_beyond_the_last_section_is_found() {
+        // A ball of radius 0.8 and sections up to z = 0.4: its top is up to
+        // 0.4 from them, and everything else at most 0.2.
+        let ball = solid(61, 1.0, |point| 0.8 - point.length());
+        let sections = [-0.8, -0.4, 0.0, 0.4].map(plane);
+        let Support { threshold, parts } = support(&ball, &sections, 2.0 / 60.0);
+        let [top] = &parts[..] else { panic!("{parts:?}") };
+        // A zone of a sphere has the area 2 π r h: a twentieth has h = r / 10.
+        let area = 0.05 * 4.0 * std::f64::consts::PI * 0.64;
+        assert!((top.area / area - 1.0).abs() < 0.02, "{}", top.area);
+        assert!((threshold - (0.72 - 0.4)).abs() < 0.005, "{threshold}");
+        assert!((top.distance - 0.4).abs() < 0.005, "{}", top.distance);
+        assert!(DVec3::from(top.at).abs_diff_eq(DVec3::Z * 0.76, 0.005), "{:?}", top.at);
+        assert_eq!(top.labels, [1]);
+    }
+
+    #[test]
+    fn the_larger_of_two_parts_comes_first() {
+        let ball = solid(61, 1.0, |point| 0.8 - point.length());
+        // The poles are 0.35 and 0.34 from the sections, all else at most 0.225:
+        // the twentieth are two zones whose edges are equally far, 2 π r h each,
+        // with heights that add up to 0.08 and differ by 0.01.
+        let sections = [-0.45, 0.0, 0.46].map(plane);
+        let parts = support(&ball, &sections, 2.0 / 60.0).parts;
+        let [bottom, top] = &parts[..] else { panic!("{parts:?}") };
+        assert!(bottom.at[2] < -0.7 && top.at[2] > 0.7);
+        assert!((bottom.area / top.area - 0.045 / 0.035).abs() < 0.1);
+    }
+
+    #[test]
+    fn where_sections_leave_no_room_nothing_is_listed() {
+        let voxel = 2.0 / 30.0;
+        let ball = solid(31, 1.0, |point| 0.8 - point.length());
+        let sections: Vec<Section> =
+            (-14..=14).map(|layer| plane(f64::from(layer) * voxel)).collect();
+        let support = support(&ball, &sections, voxel);
+        assert!(support.threshold <= voxel / 2.0 + 0.3 * voxel && support.parts.is_empty());
+        assert_eq!(super::support(&Mesh::default(), &sections, voxel), Support::default());
+    }
+}

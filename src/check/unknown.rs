@@ -88,11 +88,13 @@ mod tests {
         let first = ring.vertices.len() as u32;
         ring.vertices.extend(hole.vertices);
         ring.edges.iter_mut().for_each(|edge| edge.right = Label::UNKNOWN);
-        ring.edges.extend(polygon(400, Label::UNKNOWN).into_iter().map(|edge| crate::section::Edge {
-            start: edge.start + first,
-            end: edge.end + first,
-            right: Label(1),
-            ..edge
+        ring.edges.extend(polygon(400, Label::UNKNOWN).into_iter().map(|edge| {
+            crate::section::Edge {
+                start: edge.start + first,
+                end: edge.end + first,
+                right: Label(1),
+                ..edge
+            }
         }));
         ring.background = Label::UNKNOWN;
         let whole = polygon_area(&plane.polygon_in(BOX));

@@ -61,7 +61,8 @@ fn surface_area(lattice: &Lattice, sections: &[Section]) -> f64 {
     let bounds = Bounds { min: lattice.origin, max: lattice.position(last) };
     let length: f64 =
         sections.iter().flat_map(segments).map(|[start, end]| start.distance(end)).sum();
-    let area: f64 = sections.iter().map(|section| polygon_area(&section.plane().polygon_in(bounds))).sum();
+    let area: f64 =
+        sections.iter().map(|section| polygon_area(&section.plane().polygon_in(bounds))).sum();
     // Sections without any area in the box: a layer of one voxel each.
     let per_area = if area > 0.0 { length / area } else { 0.0 };
     4.0 / std::f64::consts::PI * bounds.volume() * per_area

@@ -160,3 +160,21 @@ impl Samples {
         super::invariant::check(self)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_margin_is_the_lead_over_the_second_best() {
+        let own =
+            |label, value| LeafValues { label: Label(label), values: vec![value; LEAF_NODES] };
+        let margin = |materials| Leaf { at: [0; 3], materials }.margins()[100];
+        // Shares of 0.6, 0.3 and, outside, 0.1.
+        assert!((margin(vec![own(1, 0.2), own(2, -0.4)]) - 0.6).abs() < 1e-6);
+        // Shares of 0.25 and, outside, 0.75.
+        assert!((margin(vec![own(4, -0.5)]) - 1.0).abs() < 1e-6);
+        assert_eq!(margin(vec![own(4, 1.0)]), 2.0);
+        assert_eq!(margin(vec![]), 2.0);
+    }
+}

@@ -199,3 +199,33 @@ fn the_number_of_threads_changes_nothing() {
     };
     assert_eq!(with(1), with(4));
 }
+
+#[test]
+fn in_an_open_box_nodes_beyond_it_have_the_nearest_values_inside() {
+    // One ball lies on a face of the box, the other one around a corner.
+    let balls = Balls::new(&[(DVec3::new(0.0, -0.2, 1.0), 0.5), (DVec3::splat(-1.0), 0.7)]);
+    let cells = Halves { bounds: cube(1.0), split: 2.0, open: true };
+    for resolution in [47, 48, 55] {
+        let lattice = Lattice::new(cells.bounds, Resolution::Voxels(resolution)).unwrap();
+        let samples = run(&balls, &cells, lattice, 3).samples;
+        samples.sanity_check().unwrap();
+        assert_eq!(samples.open, Some(cells.bounds));
+        let mut beyond = 0;
+        for leaf in &samples.leaves {
+            for (node, label) in leaf.labels().into_iter().enumerate() {
+                let node = leaf.node(node);
+                let nearest = lattice.position(lattice.nearest_inner(node));
+                assert_eq!(label, balls.label(nearest), "{node:?}");
+                beyond += u64::from(!lattice.is_inner(node) && label.is_material());
+            }
+        }
+        assert!(beyond > 100);
+        let mesh = crate::mesh::dual(&samples, &Silent).unwrap();
+        let ball = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+        // Half of the one, and an eighth of the other.
+        for (label, expected) in [(1, ball(0.5) / 2.0), (2, ball(0.7) / 8.0)] {
+            let volume = mesh.surface(Label(label)).volume();
+            assert!((volume / expected - 1.0).abs() < 0.02, "{volume} for {expected}");
+        }
+    }
+}
