@@ -117,7 +117,7 @@ fn in_a_leaf_all_is_as_for_each_point_alone() {
 fn many_borders_are_searched_as_if_one_by_one() {
     // A row of 40 known squares of side ½ at x = 0, 1, 2, …
     let squares: Vec<_> = (0..40)
-        .map(|x| f64::from(x))
+        .map(f64::from)
         .map(|x| (rectangle([x, 0.0], [x + 0.5, 0.5]), [Label(1), Label::UNKNOWN]))
         .collect();
     let evidence = Evidence::new(&[section(FLOOR, &squares, Label::UNKNOWN)]);
