@@ -11,7 +11,7 @@ use transect::arrangement::Arrangement;
 use transect::change::Change;
 use transect::check::{self, check};
 use transect::error::{Error, Result};
-use transect::field::{Adapter, Cpu, Field, Gpu, Queries, Reference, Run};
+use transect::field::{Adapter, Boundaries, Cpu, Field, Gpu, Queries, Reference, Run};
 use transect::io;
 use transect::model::{Model, Options};
 use transect::progress::Silent;
@@ -95,9 +95,10 @@ fn reconstruct(file: &Path) -> Result<Arrangement> {
 /// One row of the table of backends.
 fn rates(name: &str, arrangement: &Arrangement) -> Result<()> {
     let clearance = 1e-4 * arrangement.bounds().diagonal();
-    let reference = Reference::new(arrangement, clearance)?;
-    let cpu = Cpu::new(arrangement, clearance)?;
-    let gpu = Gpu::new(arrangement, clearance, Adapter::Any);
+    let boundaries = Boundaries::new(arrangement, clearance, None)?;
+    let reference = Reference::new(&boundaries)?;
+    let cpu = Cpu::new(&boundaries)?;
+    let gpu = Gpu::new(&boundaries, Adapter::Any);
     let per_point = queries(arrangement, &cpu, 10_000);
     let edges = per_point.edge_evaluations(&cpu) as f64 / per_point.points.len() as f64;
     print!("{name:<22}{edges:>14.0}");

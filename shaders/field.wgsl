@@ -18,10 +18,33 @@ fn chain_sum(chain: Chain, feet: Feet) -> vec4<f32> {
     for (var e = chain.first_edge; e < chain.end_edge; e++) {
         let edge = edges[e];
         let end = corner_of(edge.end, feet);
-        sum += edge_term(start, end, edge, feet.gamma);
+        let angle = angle_of(start, end, edge.span.xyz, feet.gamma);
+        sum += angle.cross * angle.ratio;
         start = end;
     }
     return sum;
+}
+
+/// Adds what a face's ramps from `first` on say; src/field/ramps.rs has the
+/// formula.
+fn add_ramps(first: u32, end: u32, feet: Feet, window: u32) {
+    var row = first;
+    while row < end {
+        let start = corner_of(bitcast<vec4<f32>>(ramps[row]), feet);
+        let end_corner = corner_of(bitcast<vec4<f32>>(ramps[row + 1u]), feet);
+        let d = bitcast<vec3<f32>>(ramps[row + 2u].xyz);
+        let angle = angle_of(start, end_corner, d, feet.gamma);
+        let constant = angle.cross * angle.ratio / feet.gamma;
+        let along = -constant * (start.px * d.x + start.py * d.y);
+        let across = angle.c_squared * angle.ratio / feet.gamma;
+        let last = row + 2u + ramps[row + 2u].w;
+        row += 3u;
+        for (; row <= last; row++) {
+            let slope = bitcast<vec3<f32>>(ramps[row].yzw);
+            let share = constant * slope.x + along * slope.y + across * slope.z;
+            add(ramps[row].x, window, share);
+        }
+    }
 }
 
 /// The weights of the labels from `window` on.
@@ -39,6 +62,7 @@ fn weigh(cell: Cell, x: Points, window: u32) {
                 add(chain.right, window, -share);
             }
         }
+        add_ramps(faces[f].first_ramp, faces[f].end_ramp, feet, window);
     }
 }
 

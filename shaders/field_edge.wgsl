@@ -71,11 +71,19 @@ fn arctangent_ratio(s: vec4<f32>) -> vec4<f32> {
     return sum * s + 0.9999999;
 }
 
-/// theta * cross(p, q) / c. With D = p.q + gamma^2, theta / c is
-/// g = 2 (atan t / t) / (r_p r_q + |D|), t = c / (r_p r_q + |D|), or
-/// pi / c - g where D < 0.
-fn edge_term(start: Corner, end: Corner, edge: Edge, gamma: vec4<f32>) -> vec4<f32> {
-    let d = edge.span;
+/// What an edge is to four points.
+struct Angle {
+    /// theta / c
+    ratio: vec4<f32>,
+    /// cross(p, q)
+    cross: vec4<f32>,
+    c_squared: vec4<f32>,
+}
+
+/// With D = p.q + gamma^2, theta / c is g = 2 (atan t / t) / (r_p r_q + |D|),
+/// t = c / (r_p r_q + |D|), or pi / c - g where D < 0. `d` is q - p and its
+/// squared length.
+fn angle_of(start: Corner, end: Corner, d: vec3<f32>, gamma: vec4<f32>) -> Angle {
     let cross = start.px * d.y - start.py * d.x;
     let cosine = start.px * d.x + (start.py * d.y + start.r_squared);
     let c_squared = cross * cross + gamma * gamma * d.z;
@@ -83,7 +91,7 @@ fn edge_term(start: Corner, end: Corner, edge: Edge, gamma: vec4<f32>) -> vec4<f
     let ratio = 2.0 * arctangent_ratio((c_squared * inverse) * inverse) * inverse;
     let obtuse = cosine < vec4<f32>(0.0);
     if any(obtuse) {
-        return cross * select(ratio, PI / sqrt(c_squared) - ratio, obtuse);
+        return Angle(select(ratio, PI / sqrt(c_squared) - ratio, obtuse), cross, c_squared);
     }
-    return cross * ratio;
+    return Angle(ratio, cross, c_squared);
 }

@@ -30,7 +30,8 @@ struct Face {
     normal_rest: vec4<f32>,
     first_chain: u32,
     end_chain: u32,
-    padding: vec2<u32>,
+    first_ramp: u32,
+    end_ramp: u32,
 }
 
 /// Consecutive edges with the same labels left and right.
@@ -69,6 +70,11 @@ struct Job {
 @group(0) @binding(1) var<storage, read> faces: array<Face>;
 @group(0) @binding(2) var<storage, read> chains: array<Chain>;
 @group(0) @binding(3) var<storage, read> edges: array<Edge>;
-@group(0) @binding(4) var<storage, read> points: array<Point>;
-@group(0) @binding(5) var<storage, read> jobs: array<Job>;
-@group(0) @binding(6) var<storage, read_write> values: array<f32>;
+/// A ramp is three rows and one for each of its slopes: its ends, split; the
+/// span, its squared length and the number of slopes; and for each slope its
+/// label and what changes: a constant, along the edge, and across it. All but
+/// the two integers are the bits of f32.
+@group(0) @binding(4) var<storage, read> ramps: array<vec4<u32>>;
+@group(0) @binding(5) var<storage, read> points: array<Point>;
+@group(0) @binding(6) var<storage, read> jobs: array<Job>;
+@group(0) @binding(7) var<storage, read_write> values: array<f32>;

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use self::assembly::Topology;
 use self::layout::Layout;
 pub use self::locate::Locator;
+pub(crate) use self::regions::components;
 use crate::error::Result;
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};

@@ -6,11 +6,11 @@
 use crate::arrangement::Arrangement;
 use crate::change::Change;
 use crate::error::{Error, Result};
-use crate::field::{self, Device};
+use crate::field::{self, Boundaries, Device};
 use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_memory;
 use crate::grid::samples::{Lattice, Samples};
-use crate::grid::sampling::{Margin, sample};
+use crate::grid::sampling::{Margin, Starts, sample};
 use crate::grid::smoothing::{SMOOTHING_MARGIN, smoothed};
 use crate::label::Label;
 use crate::mesh::Mesh;
@@ -40,6 +40,10 @@ pub struct Options {
     /// What is on the box's faces: [`Label::OUTSIDE`] closes every surface in
     /// the box, [`Label::UNKNOWN`] lets materials leave it.
     pub border: Label,
+    /// How finely unknown regions are triangulated to be completed: the length
+    /// of an edge in world units, a 48th of the box's longest side when none
+    /// is given.
+    pub spacing: Option<f64>,
 }
 
 impl Default for Options {
@@ -49,6 +53,7 @@ impl Default for Options {
             smooth: 4,
             device: Device::Auto,
             border: Label::OUTSIDE,
+            spacing: None,
         }
     }
 }
@@ -152,10 +157,21 @@ fn derive(
         counts.insert("cells".into(), arrangement.cells().len() as u64);
         Ok(arrangement)
     })?;
+    let boundaries = stages.run("completion", |counts| {
+        progress.begin("completion", 0);
+        let clearance = CLEARANCE * lattice.voxel;
+        let boundaries = Boundaries::new(&arrangement, clearance, options.spacing)?;
+        let completion = boundaries.completion();
+        counts.insert("triangles of unknown regions".into(), completion.triangle_count() as u64);
+        counts.insert("corners".into(), completion.corner_count() as u64);
+        counts.insert("sweeps".into(), completion.sweeps().into());
+        Ok(boundaries)
+    })?;
     let (samples, device) = stages.run("field", |counts| {
-        let field = field::new(&arrangement, CLEARANCE * lattice.voxel, options.device)?;
+        let field = field::new(&boundaries, options.device)?;
         let margin = if options.smooth > 0 { SMOOTHING_MARGIN } else { Margin(1) };
-        let sampling = sample(&arrangement, field.as_ref(), all, &lattice, margin, progress)?;
+        let starts = Starts { sections: all, completion: boundaries.completion() };
+        let sampling = sample(&arrangement, field.as_ref(), &starts, &lattice, margin, progress)?;
         counts.insert("leaves".into(), sampling.samples.leaves.len() as u64);
         counts.insert("evaluations".into(), sampling.points);
         Ok((sampling.samples, field.name()))

@@ -8,7 +8,7 @@ use std::time::Instant;
 use glam::DVec3;
 use transect::arrangement::Arrangement;
 use transect::error::Error;
-use transect::field::{Adapter, Cpu, Field, Gpu, Queries, Reference, Run};
+use transect::field::{Adapter, Boundaries, Cpu, Field, Gpu, Queries, Reference, Run};
 use transect::io::read_sections;
 use transect::label::Label;
 use transect::plane::Bounds;
@@ -80,10 +80,9 @@ fn evaluate(field: &dyn Field, queries: &Queries) -> Vec<f32> {
 }
 
 /// The backends of this machine.
-fn backends(arrangement: &Arrangement, clearance: f64) -> Vec<Box<dyn Field>> {
-    let mut backends: Vec<Box<dyn Field>> =
-        vec![Box::new(Cpu::new(arrangement, clearance).unwrap())];
-    match Gpu::new(arrangement, clearance, Adapter::Any) {
+fn backends(boundaries: &Boundaries) -> Vec<Box<dyn Field>> {
+    let mut backends: Vec<Box<dyn Field>> = vec![Box::new(Cpu::new(boundaries).unwrap())];
+    match Gpu::new(boundaries, Adapter::Any) {
         Ok(gpu) => backends.push(Box::new(gpu)),
         Err(Error::Device(_)) => println!("skipped: no wgpu adapter"),
         Err(other) => panic!("{other}"),
@@ -96,11 +95,12 @@ fn check(name: &str) {
     let sections = read_sections(&path, &Rules::default()).unwrap().sections;
     let arrangement = Arrangement::new(&sections, bounds(&sections), Label::OUTSIDE).unwrap();
     let diagonal = arrangement.bounds().diagonal();
-    let reference = Reference::new(&arrangement, CLEARANCE * diagonal).unwrap();
+    let boundaries = Boundaries::new(&arrangement, CLEARANCE * diagonal, None).unwrap();
+    let reference = Reference::new(&boundaries).unwrap();
     let queries = queries(&arrangement);
     println!("{name}: {} edge evaluations", queries.edge_evaluations(&reference));
     let expected = evaluate(&reference, &queries);
-    for field in backends(&arrangement, CLEARANCE * diagonal) {
+    for field in backends(&boundaries) {
         let found = evaluate(&*field, &queries);
         compare(&*field, &sections, &queries, [&expected, &found], CONTOUR * diagonal);
     }

@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use common::data;
 use transect::arrangement::Arrangement;
-use transect::field::{self, Device};
+use transect::field::{self, Boundaries, Device};
 use transect::grid::lattice::Resolution;
 use transect::grid::memory::estimate_memory;
 use transect::grid::samples::{Lattice, Leaf};
-use transect::grid::sampling::sample;
+use transect::grid::sampling::{Starts, sample};
 use transect::grid::smoothing::{SMOOTHING_MARGIN, smoothed};
 use transect::io::read_sections;
 use transect::io::vdb::{GridName, VdbContents, VdbFile, write};
@@ -42,12 +42,14 @@ fn reconstructs(name: &str, voxels: u32) {
     clock.lap("reading, arrangement");
     let lattice = Lattice::new(bounds, Resolution::Voxels(voxels)).unwrap();
     let estimate = estimate_memory(&lattice, &sections.sections, sections.materials.len());
-    let field = field::new(&arrangement, 0.02 * lattice.voxel, Device::Cpu).unwrap();
+    let boundaries = Boundaries::new(&arrangement, 0.02 * lattice.voxel, None).unwrap();
+    let field = field::new(&boundaries, Device::Cpu).unwrap();
     clock.lap("field");
     let sections = &sections;
     let list = &sections.sections;
+    let starts = Starts { sections: list, completion: boundaries.completion() };
     let sampling =
-        sample(&arrangement, field.as_ref(), list, &lattice, SMOOTHING_MARGIN, &Silent).unwrap();
+        sample(&arrangement, field.as_ref(), &starts, &lattice, SMOOTHING_MARGIN, &Silent).unwrap();
     let (leaves, points) = (sampling.samples.leaves.len(), sampling.points);
     clock.lap(&format!(
         "sampling: {leaves} leaves, {points} points, estimate {} MB",

@@ -156,13 +156,15 @@ impl FaceBuilder {
     }
 
     /// The pieces with those joined that continue each other straight on with
-    /// the same label.
+    /// the same known label. Unknown regions keep the vertices that they share
+    /// with those of the next face, so that their triangulations fit.
     fn border_edges(&self, walk: &[Piece]) -> Vec<FaceEdge> {
         let mut edges: Vec<FaceEdge> = Vec::with_capacity(walk.len());
         for piece in walk {
             let [start, end] = [piece.start, piece.end].map(|vertex| self.points[vertex as usize]);
             let straight = self.corners[piece.start as usize].is_none();
-            match edges.last_mut().filter(|last| straight && last.left == piece.label) {
+            let joined = straight && piece.label != Label::UNKNOWN;
+            match edges.last_mut().filter(|last| joined && last.left == piece.label) {
                 Some(last) => last.end = end,
                 None => edges.push(FaceEdge { start, end, left: piece.label, right: None }),
             }

@@ -115,7 +115,7 @@ fn place(subdivision: &Subdivision, drawing: &Drawing, face: u32) -> String {
 
 /// Numbers the connected components of `count` items; the component of the
 /// first item is 0.
-pub(super) fn components(count: u32, pairs: impl Iterator<Item = [u32; 2]>) -> Vec<u32> {
+pub(crate) fn components(count: u32, pairs: impl Iterator<Item = [u32; 2]>) -> Vec<u32> {
     let mut parents: Vec<u32> = (0..count).collect();
     for pair in pairs {
         let [one, other] = pair.map(|item| root(&mut parents, item));

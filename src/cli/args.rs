@@ -50,6 +50,9 @@ pub struct ReconstructArguments {
     #[arg(long, value_name = "STEPS", default_value_t = 4,
           value_parser = clap::value_parser!(u32).range(..=1000))]
     pub smooth: u32,
+    /// How finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/48 of the box]
+    #[arg(long, value_name = "H", value_parser = positive)]
+    pub spacing: Option<f64>,
     /// How the surface is made from the grid: dual contouring
     #[arg(long, value_enum, default_value_t = MesherName::Dual)]
     pub mesher: MesherName,

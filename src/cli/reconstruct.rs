@@ -92,6 +92,7 @@ fn options(arguments: &ReconstructArguments) -> Options {
         smooth: arguments.smooth,
         device: arguments.device.into(),
         border: arguments.border.into(),
+        spacing: arguments.spacing,
     }
 }
 

@@ -6,4 +6,5 @@ pub mod grid;
 pub mod measure;
 pub mod partition;
 pub mod threads;
+pub mod triangulation;
 pub mod vdb;

@@ -4,9 +4,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::kernel;
-use super::packing::{PackedCell, pack};
-use super::{Field, Queries};
-use crate::arrangement::Arrangement;
+use super::packing::{PackedCell, Part};
+use super::{Boundaries, Field, Queries};
 use crate::error::Result;
 use crate::label::Label;
 
@@ -35,20 +34,22 @@ pub(super) enum Instructions {
 
 /// The part of a query that one thread takes: points in one cell, and where
 /// their values go.
-struct Job<'a> {
-    cell: &'a PackedCell,
-    points: &'a [DVec3],
-    values: &'a mut [f32],
+pub(super) struct Job<'a> {
+    pub cell: &'a PackedCell,
+    pub part: Part,
+    pub points: &'a [DVec3],
+    pub values: &'a mut [f32],
 }
 
 impl Cpu {
-    /// The field of an arrangement, with |γ| no less than `clearance` (world
-    /// units).
+    /// The field inside some boundaries.
     ///
     /// # Errors
     /// As [`field::new`](super::new).
-    pub fn new(arrangement: &Arrangement, clearance: f64) -> Result<Self> {
-        Ok(Self { cells: pack(arrangement, clearance)?, instructions: Instructions::detect() })
+    pub fn new(boundaries: &Boundaries) -> Result<Self> {
+        let cell = |cell| PackedCell::new(&boundaries.boundary(cell));
+        let cells = (0..boundaries.count()).into_par_iter().map(cell).collect::<Result<_>>()?;
+        Ok(Self { cells, instructions: Instructions::detect() })
     }
 
     /// The same with a given instruction set, which the processor must have.
@@ -64,7 +65,8 @@ impl Cpu {
 
     /// The values of a few points of one cell.
     pub(super) fn evaluate_in(&self, cell: u32, points: &[DVec3], values: &mut [f32]) {
-        Job { cell: &self.cells[cell as usize], points, values }.run(self.instructions);
+        Job { cell: &self.cells[cell as usize], part: Part::All, points, values }
+            .run(self.instructions);
     }
 }
 
@@ -74,7 +76,7 @@ impl Field for Cpu {
     }
 
     fn edges(&self, cell: u32) -> u64 {
-        self.cells[cell as usize].edges.len() as u64
+        self.cells[cell as usize].edge_count()
     }
 
     fn name(&self) -> String {
@@ -107,7 +109,7 @@ fn jobs<'a>(
         let cell = &cells[run.cell as usize];
         for points in queries.points[run.points.clone()].chunks(CHUNK) {
             let (own, others) = values.split_at_mut(points.len() * cell.labels.len());
-            jobs.push(Job { cell, points, values: own });
+            jobs.push(Job { cell, part: Part::All, points, values: own });
             values = others;
         }
     }
@@ -115,7 +117,8 @@ fn jobs<'a>(
 }
 
 impl Instructions {
-    fn detect() -> Self {
+    /// The best that this processor has.
+    pub fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
             let wide = is_x86_feature_detected!("avx512f");
@@ -126,11 +129,20 @@ impl Instructions {
 }
 
 impl Job<'_> {
+    /// f of every label at every point.
     fn run(self, instructions: Instructions) {
-        if self.cell.labels.len() == 1 {
+        let labels = self.cell.labels.len();
+        if labels == 1 {
             self.values.fill(1.0);
             return;
         }
+        let Self { cell, part, points, values } = self;
+        Job { cell, part, points, values: &mut *values }.weigh(instructions);
+        values.chunks_exact_mut(labels).for_each(indicator);
+    }
+
+    /// W of every label at every point, up to a common factor.
+    pub fn weigh(self, instructions: Instructions) {
         match instructions {
             Instructions::Baseline => self.run_baseline(),
             // SAFETY: `detect` found these instructions on this processor.
@@ -163,19 +175,22 @@ impl Job<'_> {
         let labels = self.cell.labels.len();
         let mut weights = vec![[0.0; N]; labels];
         for (points, values) in self.points.chunks(N).zip(self.values.chunks_mut(N * labels)) {
-            kernel::weights::<N, FMA>(self.cell, points, &mut weights);
+            kernel::weights::<N, FMA>(self.cell, self.part, points, &mut weights);
             for (lane, values) in values.chunks_exact_mut(labels).enumerate() {
-                indicator(weights.iter().map(|weight| weight[lane]), values);
+                for (value, weight) in values.iter_mut().zip(&weights) {
+                    *value = weight[lane];
+                }
             }
         }
     }
 }
 
-/// f_l = (2 W_l − W) / W, within [−1, 1] whatever the rounding.
+/// f_l = (2 W_l − W) / W from the weights of a point, within [−1, 1] whatever
+/// the rounding.
 #[inline(always)]
-pub(super) fn indicator(weights: impl Iterator<Item = f32> + Clone, values: &mut [f32]) {
-    let total: f32 = weights.clone().sum();
-    for (value, weight) in values.iter_mut().zip(weights) {
-        *value = ((2.0 * weight - total) / total).clamp(-1.0, 1.0);
+pub(super) fn indicator(values: &mut [f32]) {
+    let total: f32 = values.iter().sum();
+    for value in values {
+        *value = ((2.0 * *value - total) / total).clamp(-1.0, 1.0);
     }
 }

@@ -207,3 +207,18 @@ pub fn busy_stack(random: &mut Random, labels: u32, corners: usize) -> Stack {
     stack.offset = 100.0 * random.signed();
     stack
 }
+
+/// The same with every other disc of the middle plane unknown, and one on the
+/// lowest.
+pub fn doubtful_stack(random: &mut Random, labels: u32, corners: usize) -> Stack {
+    let mut stack = busy_stack(random, labels, corners);
+    for (level, step) in [(0, 100), (1, 4)] {
+        // Discs and the rings in them take turns: both of a pair.
+        let patches = &mut stack.patterns[level].patches;
+        for first in (0..patches.len()).step_by(step) {
+            patches[first].inside = Label::UNKNOWN;
+            patches[first + 1].around = Label::UNKNOWN;
+        }
+    }
+    stack
+}

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use super::lanes::Lanes;
-use super::packing::{BORDER, Chain, Frame, PackedCell, PackedEdge, split};
+use super::packing::{
+    BORDER, Chain, Frame, PackedCell, PackedEdge, PackedFace, PackedRamp, Part, split,
+};
 
 /// A block's feet on a plane.
 struct Feet<const N: usize, const FMA: bool> {
@@ -29,6 +31,7 @@ struct Corner<const N: usize, const FMA: bool> {
 #[inline(always)]
 pub(super) fn weights<const N: usize, const FMA: bool>(
     cell: &PackedCell,
+    part: Part,
     points: &[DVec3],
     weights: &mut [[f32; N]],
 ) {
@@ -36,17 +39,54 @@ pub(super) fn weights<const N: usize, const FMA: bool>(
     let local: [DVec3; N] = std::array::from_fn(|lane| cell.localize(points[lane.min(last)]));
     let axes = [0, 1, 2].map(|axis| local.map(|point| point[axis]));
     weights.fill([0.0; N]);
-    for face in &cell.faces {
-        let feet = Feet::<N, FMA>::new(&face.frame, &axes, cell.clearance);
-        for chain in &cell.chains[face.first_chain as usize..face.end_chain as usize] {
-            let edges = &cell.edges[chain.first_edge as usize..chain.end_edge as usize];
-            let sum = feet.chain_sum(chain, edges);
-            // I = S / (2 |γ|); the 2 cancels in f.
-            let share: [f32; N] = std::array::from_fn(|lane| sum.0[lane] / feet.gamma[lane]);
-            add(&mut weights[chain.left as usize], &share, 1.0);
-            if chain.right != BORDER {
-                add(&mut weights[chain.right as usize], &share, -1.0);
+    for (index, face) in cell.faces.iter().enumerate() {
+        let [known, unknown] = part.of_face(index);
+        if known || unknown && face.first_ramp < face.end_ramp {
+            let feet = Feet::<N, FMA>::new(&face.frame, &axes, cell.clearance);
+            if known {
+                add_chains(cell, face, &feet, weights);
             }
+            if unknown {
+                add_ramps(cell, face, &feet, weights);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_chains<const N: usize, const FMA: bool>(
+    cell: &PackedCell,
+    face: &PackedFace,
+    feet: &Feet<N, FMA>,
+    weights: &mut [[f32; N]],
+) {
+    for chain in &cell.chains[face.first_chain as usize..face.end_chain as usize] {
+        let edges = &cell.edges[chain.first_edge as usize..chain.end_edge as usize];
+        let sum = feet.chain_sum(chain, edges);
+        // I = S / (2 |γ|); the 2 cancels in f.
+        let share: [f32; N] = std::array::from_fn(|lane| sum.0[lane] / feet.gamma[lane]);
+        add(&mut weights[chain.left as usize], &share, 1.0);
+        if chain.right != BORDER {
+            add(&mut weights[chain.right as usize], &share, -1.0);
+        }
+    }
+}
+
+#[inline(always)]
+fn add_ramps<const N: usize, const FMA: bool>(
+    cell: &PackedCell,
+    face: &PackedFace,
+    feet: &Feet<N, FMA>,
+    weights: &mut [[f32; N]],
+) {
+    let inverse = Lanes::<N, FMA>(feet.gamma).reciprocal();
+    for ramp in &cell.ramps[face.first_ramp as usize..face.end_ramp as usize] {
+        let [constant, along, across] = feet.ramp_terms(ramp).map(|term| term * inverse);
+        for slope in &cell.slopes[ramp.first_slope as usize..ramp.end_slope as usize] {
+            let value = Lanes::splat(slope.value) * constant;
+            let value = Lanes::splat(slope.along).mul_add(along, value);
+            let value = Lanes::splat(slope.across).mul_add(across, value);
+            add(&mut weights[slope.label as usize], &value.0, 1.0);
         }
     }
 }
@@ -106,14 +146,41 @@ impl<const N: usize, const FMA: bool> Feet<N, FMA> {
         let mut sum = Lanes::splat(0.0);
         for edge in edges {
             let end = self.corner(edge.end, edge.end_rest, gamma_squared);
-            sum = sum + edge_term(&start, &end, edge, gamma_squared);
+            let Angle { ratio, cross, .. } =
+                angle(&start, &end, edge.span, edge.span_squared, gamma_squared);
+            sum = sum + cross * ratio;
             start = end;
         }
         sum
     }
+
+    /// What a share of one at a ramp's edge adds to the sum, what its rise
+    /// along the edge adds, and what its rise across it.
+    #[inline(always)]
+    fn ramp_terms(&self, ramp: &PackedRamp) -> [Lanes<N, FMA>; 3] {
+        let gamma = Lanes(self.gamma);
+        let gamma_squared = gamma * gamma;
+        let start = self.corner(ramp.start, ramp.start_rest, gamma_squared);
+        let end = self.corner(ramp.end, ramp.end_rest, gamma_squared);
+        let Angle { ratio, cross, c_squared } =
+            angle(&start, &end, ramp.span, ramp.span_squared, gamma_squared);
+        let constant = cross * ratio;
+        let [dx, dy] = ramp.span.map(Lanes::splat);
+        let back = (start.p[0] * dx + start.p[1] * dy).map(|dot| -dot);
+        [constant, constant * back, c_squared * ratio]
+    }
 }
 
-/// θ · cross(p, q) / c for one edge.
+/// What an edge is to a block's points.
+struct Angle<const N: usize, const FMA: bool> {
+    /// θ / c.
+    ratio: Lanes<N, FMA>,
+    /// cross(p, q).
+    cross: Lanes<N, FMA>,
+    c_squared: Lanes<N, FMA>,
+}
+
+/// θ / c, cross(p, q) and c² for one edge.
 ///
 /// With D = p·q + γ² = r_p r_q cos θ and c = r_p r_q sin θ, the tangent
 /// t = c / (r_p r_q + |D|) is that of θ/2, or of (π − θ)/2 where D < 0, and
@@ -121,24 +188,25 @@ impl<const N: usize, const FMA: bool> Feet<N, FMA> {
 /// g = 2 (atan t / t) / (r_p r_q + |D|), or π/c − g where D < 0. Only there,
 /// where the edge is seen under more than a right angle, c itself is needed.
 #[inline(always)]
-fn edge_term<const N: usize, const FMA: bool>(
+fn angle<const N: usize, const FMA: bool>(
     start: &Corner<N, FMA>,
     end: &Corner<N, FMA>,
-    edge: &PackedEdge,
+    span: [f32; 2],
+    span_squared: f32,
     gamma_squared: Lanes<N, FMA>,
-) -> Lanes<N, FMA> {
-    let [dx, dy] = edge.span.map(Lanes::<N, FMA>::splat);
+) -> Angle<N, FMA> {
+    let [dx, dy] = span.map(Lanes::<N, FMA>::splat);
     let [px, py] = start.p;
     // cross(p, q) = cross(p, d) and p·q + γ² = r_p² + p·d, with d = q − p.
     let cross = px * dy - py * dx;
     let dot = px.mul_add(dx, py.mul_add(dy, start.r_squared));
-    let c_squared = cross.mul_add(cross, gamma_squared * Lanes::splat(edge.span_squared));
+    let c_squared = cross.mul_add(cross, gamma_squared * Lanes::splat(span_squared));
     let inverse = start.r.mul_add(end.r, dot.map(f32::abs)).reciprocal();
     let tangent_squared = (c_squared * inverse) * inverse;
     let ratio = Lanes::splat(2.0) * tangent_squared.arctangent_ratio() * inverse;
     if !dot.any_negative() {
-        return cross * ratio;
+        return Angle { ratio, cross, c_squared };
     }
     let supplement = Lanes::splat(std::f32::consts::PI) * c_squared.sqrt().reciprocal() - ratio;
-    cross * dot.if_negative(supplement, ratio)
+    Angle { ratio: dot.if_negative(supplement, ratio), cross, c_squared }
 }

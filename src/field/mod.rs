@@ -17,6 +17,10 @@
 //! own face it tends to 2π, so |γ| is clamped to a small positive *clearance*
 //! and points on a plane need no case of their own.
 //!
+//! Unknown regions are completed first ([`Completion`]): on them the labels'
+//! shares are linear on triangles, and W_l is the integral with the share as a
+//! factor (`ramps` has its closed form).
+//!
 //! [`Reference`] states this in f64. [`Cpu`] and [`Gpu`] evaluate what
 //! `packing` lays out for them in f32; one contract binds all three.
 
@@ -24,15 +28,17 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::arrangement::Arrangement;
 use crate::error::{Error, Result};
 use crate::label::Label;
 
+mod boundaries;
+mod completion;
 mod cpu;
 mod gpu;
 mod kernel;
 mod lanes;
 mod packing;
+mod ramps;
 mod reference;
 
 #[cfg(test)]
@@ -40,6 +46,8 @@ mod contract;
 #[cfg(test)]
 mod fixture;
 
+pub use boundaries::Boundaries;
+pub use completion::Completion;
 pub use cpu::Cpu;
 pub use gpu::{Adapter, Gpu};
 pub use reference::Reference;
@@ -94,19 +102,17 @@ pub enum Device {
     Gpu,
 }
 
-/// The field of an arrangement. Distances to a plane below `clearance` (world
-/// units, positive) count as `clearance`.
+/// The field inside some boundaries.
 ///
 /// # Errors
-/// [`Error::Option`] for a bad clearance or an unknown region;
 /// [`Error::Device`] when a GPU is asked for and none works.
-pub fn new(arrangement: &Arrangement, clearance: f64, device: Device) -> Result<Box<dyn Field>> {
+pub fn new(boundaries: &Boundaries, device: Device) -> Result<Box<dyn Field>> {
     match device {
-        Device::Cpu => Ok(Box::new(Cpu::new(arrangement, clearance)?)),
-        Device::Gpu => Ok(Box::new(Gpu::new(arrangement, clearance, Adapter::Any)?)),
-        Device::Auto => match Gpu::new(arrangement, clearance, Adapter::Hardware) {
+        Device::Cpu => Ok(Box::new(Cpu::new(boundaries)?)),
+        Device::Gpu => Ok(Box::new(Gpu::new(boundaries, Adapter::Any)?)),
+        Device::Auto => match Gpu::new(boundaries, Adapter::Hardware) {
             Ok(gpu) => Ok(Box::new(gpu)),
-            Err(Error::Device(_)) => new(arrangement, clearance, Device::Cpu),
+            Err(Error::Device(_)) => new(boundaries, Device::Cpu),
             Err(other) => Err(other),
         },
     }
@@ -134,38 +140,6 @@ impl Queries {
             Err(bug(format!("runs cover {covered} of {} points", self.points.len())))
         }
     }
-}
-
-/// Refuses what no backend can evaluate, and returns the clearance to use:
-/// 1e-9 of the box's diagonal at least, below which f32 could underflow.
-fn checked_clearance(arrangement: &Arrangement, clearance: f64) -> Result<f64> {
-    if !(clearance.is_finite() && clearance > 0.0) {
-        return Err(Error::Option(format!(
-            "the field's clearance must be a positive number, not {clearance}"
-        )));
-    }
-    refuse_unknown(arrangement)?;
-    Ok(clearance.max(SMALLEST_CLEARANCE * arrangement.bounds().diagonal()))
-}
-
-/// The smallest clearance, in units of the box's diagonal or the cell's size.
-const SMALLEST_CLEARANCE: f64 = 1e-9;
-
-fn refuse_unknown(arrangement: &Arrangement) -> Result<()> {
-    let Some(face) = arrangement.faces().iter().find(|face| face.labels.contains(&Label::UNKNOWN))
-    else {
-        return Ok(());
-    };
-    let (plane, sections) = (face.plane as usize, arrangement.planes().len().saturating_sub(6));
-    let place = if plane < sections {
-        format!("section {} of {sections}", plane + 1)
-    } else {
-        "the box".to_owned()
-    };
-    Err(Error::Option(format!(
-        "{place} has unknown regions, which this version cannot complete: \
-         give them a label, or let the border of the box count as outside"
-    )))
 }
 
 fn bug(what: impl Into<String>) -> Error {

@@ -9,16 +9,19 @@
 //!
 //! The edges of a face that have the same labels left and right are joined
 //! into chains. Consecutive edges share p and r, and the sum along a chain
-//! stays in a register.
+//! stays in a register. The edges of triangles on unknown regions are ramps
+//! (`ramps`), each with a slope for every label that changes there.
 
 use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
 
+use super::boundaries::{Boundary, SMALLEST_CLEARANCE};
+use super::completion::Completion;
+use super::ramps::{Change, RampEdge, Ramps};
 use super::reference::slot;
-use super::{SMALLEST_CLEARANCE, checked_clearance};
-use crate::arrangement::{Arrangement, Cell, Face};
+use crate::arrangement::{Face, FaceEdge};
 use crate::error::Result;
 use crate::label::Label;
 use crate::plane::Bounds;
@@ -60,6 +63,33 @@ pub(super) struct Chain {
     pub right: u32,
 }
 
+/// An edge of a triangle on an unknown region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PackedRamp {
+    /// p and q: the parts on the grid, and the remainders.
+    pub start: [f32; 2],
+    pub start_rest: [f32; 2],
+    pub end: [f32; 2],
+    pub end_rest: [f32; 2],
+    /// q − p, rounded once.
+    pub span: [f32; 2],
+    /// ‖q − p‖².
+    pub span_squared: f32,
+    /// Slopes `first_slope..end_slope` of the cell.
+    pub first_slope: u32,
+    pub end_slope: u32,
+}
+
+/// What a ramp adds to a label ([`Change`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PackedSlope {
+    /// An index into the cell's labels.
+    pub label: u32,
+    pub value: f32,
+    pub along: f32,
+    pub across: f32,
+}
+
 /// A face's plane, in the cell's coordinates: u = tangents · x, and
 /// γ = normal · x + offset.
 #[derive(Debug, Clone, Copy)]
@@ -69,12 +99,15 @@ pub(super) struct Frame {
     pub offset: f64,
 }
 
-/// A face: chains `first_chain..end_chain` of the cell.
+/// A face: chains `first_chain..end_chain` and ramps `first_ramp..end_ramp`
+/// of the cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PackedFace {
     pub frame: Frame,
     pub first_chain: u32,
     pub end_chain: u32,
+    pub first_ramp: u32,
+    pub end_ramp: u32,
 }
 
 /// A cell. One with a single label has no faces: nothing is to be evaluated.
@@ -90,38 +123,88 @@ pub(super) struct PackedCell {
     pub faces: Vec<PackedFace>,
     pub chains: Vec<Chain>,
     pub edges: Vec<PackedEdge>,
+    pub ramps: Vec<PackedRamp>,
+    pub slopes: Vec<PackedSlope>,
 }
 
-/// All cells of an arrangement.
-pub(super) fn pack(arrangement: &Arrangement, clearance: f64) -> Result<Vec<PackedCell>> {
-    let clearance = checked_clearance(arrangement, clearance)?;
-    arrangement.cells().iter().map(|cell| PackedCell::new(arrangement, cell, clearance)).collect()
+/// A part of what surrounds a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// All regions on all faces.
+    All,
+    /// The known regions of all faces but one.
+    KnownBut(u32),
+    /// The unknown regions of all faces but one.
+    UnknownBut(u32),
+}
+
+impl Part {
+    /// Whether a face's known regions, and its unknown ones, belong to it.
+    #[inline(always)]
+    pub fn of_face(self, face: usize) -> [bool; 2] {
+        match self {
+            Self::All => [true; 2],
+            Self::KnownBut(other) => [face != other as usize, false],
+            Self::UnknownBut(other) => [false, face != other as usize],
+        }
+    }
 }
 
 impl PackedCell {
-    fn new(arrangement: &Arrangement, cell: &Cell, clearance: f64) -> Result<Self> {
-        let faces = || cell.faces.iter().map(|&face| &arrangement.faces()[face as usize]);
-        let starts = faces().flat_map(|face| face.edges.iter().map(|edge| edge.start));
-        let (origin, scale) = Bounds::around(starts).map_or((DVec3::ZERO, 1.0), unit_cube);
-        let mut packed = Self {
-            labels: cell.labels.clone(),
-            origin,
-            scale,
-            clearance: (clearance * scale).max(SMALLEST_CLEARANCE) as f32,
-            faces: Vec::new(),
-            chains: Vec::new(),
-            edges: Vec::new(),
-        };
-        if cell.labels.len() > 1 {
-            for face in faces() {
-                packed.add_face(arrangement, face)?;
-            }
-        }
+    /// A cell's boundary, with the shares that the completion has now.
+    pub fn new(boundary: &Boundary) -> Result<Self> {
+        let (mut packed, ramps) = Self::with_ramps(boundary)?;
+        packed.set_slopes(&ramps, boundary.completion);
         Ok(packed)
     }
 
-    fn add_face(&mut self, arrangement: &Arrangement, face: &Face) -> Result<()> {
-        let plane = arrangement.planes()[face.plane as usize];
+    /// A cell's boundary without slopes, and the ramps of its faces.
+    pub fn with_ramps(boundary: &Boundary) -> Result<(Self, Vec<Ramps>)> {
+        let starts =
+            boundary.faces().flat_map(|(_, face)| face.edges.iter().map(|edge| edge.start));
+        let (origin, scale) = Bounds::around(starts).map_or((DVec3::ZERO, 1.0), unit_cube);
+        let mut packed = Self {
+            labels: boundary.labels.to_vec(),
+            origin,
+            scale,
+            clearance: (boundary.clearance * scale).max(SMALLEST_CLEARANCE) as f32,
+            faces: Vec::new(),
+            chains: Vec::new(),
+            edges: Vec::new(),
+            ramps: Vec::new(),
+            slopes: Vec::new(),
+        };
+        let mut ramps = Vec::new();
+        if boundary.labels.len() > 1 {
+            for (index, face) in boundary.faces() {
+                ramps.push(packed.add_face(boundary, index, face)?);
+            }
+        }
+        Ok((packed, ramps))
+    }
+
+    /// Gives every ramp the slopes that follow from the corners' shares.
+    pub fn set_slopes(&mut self, ramps: &[Ramps], completion: &Completion) {
+        self.slopes.clear();
+        let slots = completion.slots(&self.labels);
+        let edges =
+            ramps.iter().flat_map(|ramps| ramps.edges.iter().map(move |edge| (ramps, edge)));
+        for (packed, (ramps, edge)) in self.ramps.iter_mut().zip(edges) {
+            packed.first_slope = self.slopes.len() as u32;
+            for (label, &slot) in slots.iter().enumerate() {
+                let Change { value, along, across } =
+                    ramps.change(edge, |corner| completion.share(corner, slot));
+                if [value, along, across] != [0.0; 3] {
+                    let [value, along, across] = [value, along, across].map(|part| part as f32);
+                    self.slopes.push(PackedSlope { label: label as u32, value, along, across });
+                }
+            }
+            packed.end_slope = self.slopes.len() as u32;
+        }
+    }
+
+    fn add_face(&mut self, boundary: &Boundary, index: u32, face: &Face) -> Result<Ramps> {
+        let plane = boundary.arrangement.planes()[face.plane as usize];
         let frame = Frame {
             tangents: plane.tangents(),
             normal: plane.unit_normal(),
@@ -134,8 +217,14 @@ impl PackedCell {
             }
         }
         let end_chain = self.chains.len() as u32;
-        self.faces.push(PackedFace { frame, first_chain, end_chain });
-        Ok(())
+        let completion = boundary.completion;
+        let place = |corner| self.flatten(&frame, completion.point(corner));
+        let ramps = Ramps::new(completion.triangles(index).to_vec(), place);
+        let first_ramp = self.ramps.len() as u32;
+        self.ramps.extend(ramps.edges.iter().map(PackedRamp::new));
+        let end_ramp = self.ramps.len() as u32;
+        self.faces.push(PackedFace { frame, first_chain, end_chain, first_ramp, end_ramp });
+        Ok(ramps)
     }
 
     fn add_chain(&mut self, frame: &Frame, [left, right]: [u32; 2], trail: &[Piece]) {
@@ -158,6 +247,11 @@ impl PackedCell {
         }
     }
 
+    /// Edges that are evaluated for a point.
+    pub fn edge_count(&self) -> u64 {
+        (self.edges.len() + self.ramps.len()) as u64
+    }
+
     /// A point on a face, in the face's frame.
     fn flatten(&self, frame: &Frame, point: DVec3) -> DVec2 {
         let local = self.localize(point);
@@ -167,6 +261,24 @@ impl PackedCell {
     /// A point in the cell's coordinates.
     pub fn localize(&self, point: DVec3) -> DVec3 {
         (point - self.origin) * self.scale
+    }
+}
+
+impl PackedRamp {
+    fn new(edge: &RampEdge) -> Self {
+        let span = edge.end - edge.start;
+        let (start, start_rest) = split_point(edge.start);
+        let (end, end_rest) = split_point(edge.end);
+        Self {
+            start,
+            start_rest,
+            end,
+            end_rest,
+            span: span.as_vec2().to_array(),
+            span_squared: span.length_squared() as f32,
+            first_slope: 0,
+            end_slope: 0,
+        }
     }
 }
 
@@ -202,15 +314,12 @@ struct Piece {
 }
 
 /// A face's edges by the labels on their sides, the smaller one on the left;
-/// edges without length left out.
+/// edges without length left out. Beyond a known region's border an unknown
+/// region is as good as none: its triangles have borders of their own.
 fn pieces_by_sides(face: &Face, labels: &[Label]) -> Result<BTreeMap<[u32; 2], Vec<Piece>>> {
     let mut groups: BTreeMap<[u32; 2], Vec<Piece>> = BTreeMap::new();
     for edge in face.edges.iter().filter(|edge| edge.start != edge.end) {
-        let left = slot(labels, edge.left)? as u32;
-        let right = match edge.right {
-            Some(label) => slot(labels, label)? as u32,
-            None => BORDER,
-        };
+        let [left, right] = sides(edge, labels)?;
         if left < right {
             let piece = Piece { start: edge.start, end: edge.end };
             groups.entry([left, right]).or_default().push(piece);
@@ -220,6 +329,15 @@ fn pieces_by_sides(face: &Face, labels: &[Label]) -> Result<BTreeMap<[u32; 2], V
         }
     }
     Ok(groups)
+}
+
+/// The labels on an edge's sides as indices, [`BORDER`] for none.
+fn sides(edge: &FaceEdge, labels: &[Label]) -> Result<[u32; 2]> {
+    let side = |label: Option<Label>| match label.filter(|&label| label != Label::UNKNOWN) {
+        Some(label) => Ok(slot(labels, label)? as u32),
+        None => Ok(BORDER),
+    };
+    Ok([side(Some(edge.left))?, side(edge.right)?])
 }
 
 /// The bits of a point: equal points of a plane are bitwise equal.

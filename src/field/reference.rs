@@ -3,8 +3,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Field, Queries, bug, checked_clearance};
-use crate::arrangement::{Arrangement, Cell};
+use super::boundaries::{self, Boundaries};
+use super::{Field, Queries, bug};
+use crate::arrangement;
 use crate::error::Result;
 use crate::label::Label;
 use crate::plane::Plane;
@@ -27,27 +28,34 @@ struct Face {
     origin: DVec3,
     tangents: [DVec3; 2],
     edges: Vec<Edge>,
+    triangles: Vec<Triangle>,
 }
 
-/// An edge, with indices into the cell's labels on its two sides.
+/// An edge, with indices into the cell's labels on its two sides; `None` where
+/// there is nothing known.
 struct Edge {
     start: DVec2,
     end: DVec2,
-    left: usize,
+    left: Option<usize>,
     right: Option<usize>,
 }
 
+/// A piece of an unknown region: its corners, counter-clockwise, and there the
+/// shares of the cell's labels.
+struct Triangle {
+    corners: [DVec2; 3],
+    shares: [Vec<f64>; 3],
+}
+
 impl Reference {
-    /// The field of an arrangement, with |γ| no less than `clearance` (world
-    /// units).
+    /// The field inside some boundaries.
     ///
     /// # Errors
     /// As [`field::new`](super::new).
-    pub fn new(arrangement: &Arrangement, clearance: f64) -> Result<Self> {
-        let clearance = checked_clearance(arrangement, clearance)?;
-        let boundary = |cell| Boundary::new(arrangement, cell);
-        let cells = arrangement.cells().iter().map(boundary).collect::<Result<_>>()?;
-        Ok(Self { cells, clearance })
+    pub fn new(boundaries: &Boundaries) -> Result<Self> {
+        let boundary = |cell| Boundary::new(&boundaries.boundary(cell));
+        let cells = (0..boundaries.count()).map(boundary).collect::<Result<_>>()?;
+        Ok(Self { cells, clearance: boundaries.clearance() })
     }
 
     /// One value per label of the cell, in f64.
@@ -72,7 +80,8 @@ impl Field for Reference {
         if boundary.labels.len() == 1 {
             return 0;
         }
-        boundary.faces.iter().map(|face| face.edges.len() as u64).sum()
+        let edges = |face: &Face| face.edges.len() + 3 * face.triangles.len();
+        boundary.faces.iter().map(edges).sum::<usize>() as u64
     }
 
     fn name(&self) -> String {
@@ -92,13 +101,9 @@ impl Field for Reference {
 }
 
 impl Boundary {
-    fn new(arrangement: &Arrangement, cell: &Cell) -> Result<Self> {
-        let faces = cell
-            .faces
-            .iter()
-            .map(|&face| Face::new(arrangement, face, &cell.labels))
-            .collect::<Result<_>>()?;
-        Ok(Self { labels: cell.labels.clone(), faces })
+    fn new(source: &boundaries::Boundary) -> Result<Self> {
+        let faces = source.faces().map(|(index, face)| Face::new(source, index, face));
+        Ok(Self { labels: source.labels.to_vec(), faces: faces.collect::<Result<_>>()? })
     }
 
     /// W_l for every label l.
@@ -109,10 +114,14 @@ impl Boundary {
             let foot = face.flatten(x);
             for edge in &face.edges {
                 let share = edge_sum(edge.start - foot, edge.end - foot, gamma) / (2.0 * gamma);
-                weights[edge.left] += share;
-                if let Some(right) = edge.right {
-                    weights[right] -= share;
+                for (label, share) in [(edge.left, share), (edge.right, -share)] {
+                    if let Some(label) = label {
+                        weights[label] += share;
+                    }
                 }
+            }
+            for triangle in &face.triangles {
+                triangle.add_weights(foot, gamma, &mut weights);
             }
         }
         weights
@@ -120,19 +129,35 @@ impl Boundary {
 }
 
 impl Face {
-    fn new(arrangement: &Arrangement, index: u32, labels: &[Label]) -> Result<Self> {
-        let source = &arrangement.faces()[index as usize];
-        let plane = arrangement.planes()[source.plane as usize];
+    fn new(
+        boundary: &boundaries::Boundary,
+        index: u32,
+        source: &arrangement::Face,
+    ) -> Result<Self> {
+        let plane = boundary.arrangement.planes()[source.plane as usize];
         let origin = source.edges.first().map_or(DVec3::ZERO, |edge| edge.start);
-        let mut face = Self { plane, origin, tangents: plane.tangents(), edges: Vec::new() };
+        let (edges, triangles) = (Vec::new(), Vec::new());
+        let mut face = Self { plane, origin, tangents: plane.tangents(), edges, triangles };
+        let known = |label: Option<Label>| match label.filter(|&label| label != Label::UNKNOWN) {
+            Some(label) => slot(boundary.labels, label).map(Some),
+            None => Ok(None),
+        };
         for edge in &source.edges {
             let edge = Edge {
                 start: face.flatten(edge.start),
                 end: face.flatten(edge.end),
-                left: slot(labels, edge.left)?,
-                right: edge.right.map(|label| slot(labels, label)).transpose()?,
+                left: known(Some(edge.left))?,
+                right: known(edge.right)?,
             };
             face.edges.push(edge);
+        }
+        let slots = boundary.completion.slots(boundary.labels);
+        for corners in boundary.triangles(index) {
+            let shares = corners.map(|(corner, _)| {
+                slots.iter().map(|&slot| boundary.completion.share(corner, slot)).collect()
+            });
+            let corners = corners.map(|(_, point)| face.flatten(point));
+            face.triangles.push(Triangle { corners, shares });
         }
         Ok(face)
     }
@@ -142,6 +167,37 @@ impl Face {
         let offset = point - self.origin;
         DVec2::new(self.tangents[0].dot(offset), self.tangents[1].dot(offset))
     }
+}
+
+impl Triangle {
+    fn add_weights(&self, foot: DVec2, gamma: f64, weights: &mut [f64]) {
+        let corners = self.corners.map(|corner| (corner - foot).extend(gamma));
+        for (weight, shares) in corner_weights(corners).into_iter().zip(&self.shares) {
+            for (sum, share) in weights.iter_mut().zip(shares) {
+                *sum += weight * share;
+            }
+        }
+    }
+}
+
+/// Ju et al.'s weights of the corners v_i of a triangle as seen from the origin
+/// (Bermano, Appendix A): m·n_i / (n_i·v_i), with n_i the unit normal of the
+/// plane through the origin and the other two corners, θ_i the angle between
+/// these, and m = Σ θ_i n_i / 2. The corners are counter-clockwise in a plane
+/// above the origin.
+fn corner_weights(corners: [DVec3; 3]) -> [f64; 3] {
+    let mut normals = [DVec3::ZERO; 3];
+    let mut mean = DVec3::ZERO;
+    for i in 0..3 {
+        let (next, last) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
+        let cross = next.cross(last);
+        normals[i] = cross.normalize_or_zero();
+        mean += 0.5 * cross.length().atan2(next.dot(last)) * normals[i];
+    }
+    std::array::from_fn(|i| {
+        let height = normals[i].dot(corners[i]);
+        if height == 0.0 { 0.0 } else { mean.dot(normals[i]) / height }
+    })
 }
 
 /// Where a label stands among a cell's.
@@ -190,11 +246,23 @@ mod tests {
     }
 
     /// ∬ γ / (‖y‖² + γ²)² dA over a triangle cut into 4^depth.
-    fn integrate([a, b, c]: [DVec2; 3], gamma: f64, depth: u32, rule: &[(f64, f64)]) -> f64 {
+    fn integrate(corners: [DVec2; 3], gamma: f64, depth: u32, rule: &[(f64, f64)]) -> f64 {
+        integrate_with(corners, gamma, depth, rule, &|_| 1.0)
+    }
+
+    /// The same with a density.
+    fn integrate_with(
+        [a, b, c]: [DVec2; 3],
+        gamma: f64,
+        depth: u32,
+        rule: &[(f64, f64)],
+        density: &dyn Fn(DVec2) -> f64,
+    ) -> f64 {
         if depth > 0 {
             let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
             let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
-            return quarters.iter().map(|&t| integrate(t, gamma, depth - 1, rule)).sum();
+            let part = |&quarter| integrate_with(quarter, gamma, depth - 1, rule, density);
+            return quarters.iter().map(part).sum();
         }
         let doubled_area = (b - a).perp_dot(c - a);
         let mut sum = 0.0;
@@ -202,8 +270,8 @@ mod tests {
             for &(t, weight_t) in rule {
                 // The unit square onto the triangle; the Jacobian is s.
                 let y = a + s * (b - a) + s * t * (c - b);
-                sum +=
-                    weight_s * weight_t * s * gamma / (y.length_squared() + gamma * gamma).powi(2);
+                let kernel = gamma / (y.length_squared() + gamma * gamma).powi(2);
+                sum += weight_s * weight_t * s * kernel * density(y);
             }
         }
         sum * doubled_area
@@ -236,6 +304,24 @@ mod tests {
                 let error = (closed - integral).abs() / integral;
                 assert!(error < 1e-9, "centre {centre}, γ {gamma}: {error:e}");
             }
+        }
+    }
+
+    /// Ju et al.'s weights are the integrals of the barycentric coordinates.
+    #[test]
+    fn corner_weights_are_integrals() {
+        let rule = gauss(16);
+        let corners = [(-0.3, 0.2), (1.1, -0.4), (0.6, 0.9)].map(DVec2::from);
+        let gamma = 0.4;
+        let doubled_area = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
+        let weights = corner_weights(corners.map(|corner| corner.extend(gamma)));
+        for (i, found) in weights.into_iter().enumerate() {
+            let share = |y: DVec2| {
+                let [next, last] = [corners[(i + 1) % 3], corners[(i + 2) % 3]];
+                (next - y).perp_dot(last - y) / doubled_area
+            };
+            let expected = integrate_with(corners, gamma, 3, &rule, &share);
+            assert!((found / expected - 1.0).abs() < 1e-10, "{found} {expected}");
         }
     }
 

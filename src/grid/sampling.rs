@@ -1,11 +1,12 @@
 //! Evaluates the field near the surface: from the contours and a coarse
 //! lattice on, following changes of label from leaf to leaf.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::arrangement::Arrangement;
 use crate::error::Result;
-use crate::field::Field;
+use crate::field::{Completion, Field};
 use crate::label::Label;
 use crate::progress::Progress;
 use crate::section::Section;
@@ -45,6 +46,15 @@ pub struct Sampling {
     pub points: u64,
 }
 
+/// Where the surface is known to pass.
+#[derive(Debug, Clone, Copy)]
+pub struct Starts<'a> {
+    /// Along their contours.
+    pub sections: &'a [Section],
+    /// Across the unknown regions on which labels change.
+    pub completion: &'a Completion,
+}
+
 /// Samples the field wherever its labels change on the lattice, as far as the
 /// contours or a coarse lattice of one node a leaf show where.
 ///
@@ -53,13 +63,36 @@ pub struct Sampling {
 pub fn sample(
     arrangement: &Arrangement,
     field: &dyn Field,
-    sections: &[Section],
+    starts: &Starts,
     lattice: &Lattice,
     margin: Margin,
     progress: &dyn Progress,
 ) -> Result<Sampling> {
     let sampler = Sampler { cells: arrangement, field, lattice: *lattice, margin, progress };
-    sampler.run(contour_leaves(sections, lattice))
+    let mut leaves = contour_leaves(starts.sections, lattice);
+    leaves.extend(starts.completion.changes().flat_map(|corners| leaves_around(corners, lattice)));
+    sampler.run(leaves)
+}
+
+/// The leaves in the box around a triangle.
+fn leaves_around(corners: [DVec3; 3], lattice: &Lattice) -> Vec<[i32; 3]> {
+    let local = corners.map(|corner| (corner - lattice.origin) / lattice.voxel);
+    let leaf = |node: f64, axis: usize| {
+        (node / f64::from(SIDE)).clamp(0.0, f64::from(lattice.leaf_dims()[axis] - 1)) as i32
+    };
+    let range = |axis: usize| {
+        let along = local.map(|corner| corner[axis]);
+        let [low, high] = [along.into_iter().reduce(f64::min), along.into_iter().reduce(f64::max)]
+            .map(|end| leaf(end.unwrap_or(0.0), axis));
+        low..=high
+    };
+    let mut leaves = Vec::new();
+    for x in range(0) {
+        for y in range(1) {
+            leaves.extend(range(2).map(|z| [x, y, z]));
+        }
+    }
+    leaves
 }
 
 /// The leaves of all nodes of the voxels that contours pass, sorted.

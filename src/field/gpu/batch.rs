@@ -109,6 +109,6 @@ impl Batch {
         self.points.extend(points.iter().map(|&point| DevicePoint::new(cell.localize(point))));
         self.value_count += points.len() * target.labels;
         // Invocations work in waves: a few points cost as much as a wave does.
-        self.work += (points.len().next_multiple_of(WAVE) * cell.edges.len()) as u64;
+        self.work += points.len().next_multiple_of(WAVE) as u64 * cell.edge_count();
     }
 }

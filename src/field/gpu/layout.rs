@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::field::packing::{Chain, Frame, PackedCell, PackedEdge, split};
+use crate::field::packing::{Chain, PackedCell, PackedEdge, PackedFace, PackedRamp, split};
 
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -23,7 +23,8 @@ pub struct DeviceFace {
     normal: [[f32; 4]; 2],
     first_chain: u32,
     end_chain: u32,
-    padding: [u32; 2],
+    first_ramp: u32,
+    end_ramp: u32,
 }
 
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -49,6 +50,12 @@ pub struct Tables {
     faces: Vec<DeviceFace>,
     chains: Vec<Chain>,
     edges: Vec<PackedEdge>,
+    /// Ramps and their slopes, as rows of four numbers: p and q as edges have
+    /// them, the span and the number of slopes, and then for each slope its
+    /// label and three parts. One binding for both, because some devices have
+    /// no more than eight; bits of integers, because a device may flush a
+    /// small integer to zero where it takes it for a number.
+    ramps: Vec<[u32; 4]>,
 }
 
 impl Tables {
@@ -61,6 +68,7 @@ impl Tables {
         tables.faces.push(Zeroable::zeroed());
         tables.chains.push(Zeroable::zeroed());
         tables.edges.push(Zeroable::zeroed());
+        tables.ramps.push(Zeroable::zeroed());
         tables
     }
 
@@ -68,10 +76,15 @@ impl Tables {
         let first_face = self.faces.len() as u32;
         let first_chain = self.chains.len() as u32;
         let first_edge = self.edges.len() as u32;
-        self.faces.extend(cell.faces.iter().map(|face| {
+        for face in &cell.faces {
             let chains = [face.first_chain, face.end_chain].map(|chain| first_chain + chain);
-            DeviceFace::new(&face.frame, chains)
-        }));
+            let first_ramp = self.ramps.len() as u32;
+            for ramp in &cell.ramps[face.first_ramp as usize..face.end_ramp as usize] {
+                self.add_ramp(cell, ramp);
+            }
+            let ramps = [first_ramp, self.ramps.len() as u32];
+            self.faces.push(DeviceFace::new(face, chains, ramps));
+        }
         self.chains.extend(cell.chains.iter().map(|chain| Chain {
             first_edge: first_edge + chain.first_edge,
             end_edge: first_edge + chain.end_edge,
@@ -86,29 +99,48 @@ impl Tables {
         });
     }
 
+    fn add_ramp(&mut self, cell: &PackedCell, ramp: &PackedRamp) {
+        let point = |[u, v]: [f32; 2], [u_rest, v_rest]: [f32; 2]| [u, v, u_rest, v_rest];
+        let slopes = &cell.slopes[ramp.first_slope as usize..ramp.end_slope as usize];
+        self.ramps.push(point(ramp.start, ramp.start_rest).map(f32::to_bits));
+        self.ramps.push(point(ramp.end, ramp.end_rest).map(f32::to_bits));
+        let [x, y] = ramp.span.map(f32::to_bits);
+        self.ramps.push([x, y, ramp.span_squared.to_bits(), slopes.len() as u32]);
+        self.ramps.extend(slopes.iter().map(|slope| {
+            let [value, along, across] = [slope.value, slope.along, slope.across].map(f32::to_bits);
+            [slope.label, value, along, across]
+        }));
+    }
+
     /// In the order of the bindings.
-    pub fn contents(&self) -> [&[u8]; 4] {
+    pub fn contents(&self) -> [&[u8]; 5] {
         [
             bytemuck::cast_slice(&self.cells),
             bytemuck::cast_slice(&self.faces),
             bytemuck::cast_slice(&self.chains),
             bytemuck::cast_slice(&self.edges),
+            bytemuck::cast_slice(&self.ramps),
         ]
     }
 }
 
 impl DeviceFace {
-    fn new(frame: &Frame, [first_chain, end_chain]: [u32; 2]) -> Self {
-        let [first, second] = frame.tangents;
-        let [mut normal, mut normal_rest] = split_row(frame.normal);
-        (normal[3], normal_rest[3]) = split(frame.offset);
+    fn new(
+        face: &PackedFace,
+        [first_chain, end_chain]: [u32; 2],
+        [first_ramp, end_ramp]: [u32; 2],
+    ) -> Self {
+        let [first, second] = face.frame.tangents;
+        let [mut normal, mut normal_rest] = split_row(face.frame.normal);
+        (normal[3], normal_rest[3]) = split(face.frame.offset);
         Self {
             first_tangent: split_row(first),
             second_tangent: split_row(second),
             normal: [normal, normal_rest],
             first_chain,
             end_chain,
-            padding: [0; 2],
+            first_ramp,
+            end_ramp,
         }
     }
 }

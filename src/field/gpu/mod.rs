@@ -10,8 +10,7 @@ use self::batch::{Batch, Limits, batches};
 use self::device::Connection;
 use self::layout::Tables;
 use super::cpu::{Cpu, indicator, value_count};
-use super::{Field, Queries};
-use crate::arrangement::Arrangement;
+use super::{Boundaries, Field, Queries};
 use crate::error::{Error, Result};
 use crate::label::Label;
 
@@ -34,20 +33,19 @@ pub struct Gpu {
     cpu: Cpu,
     connection: Connection,
     pipeline: wgpu::ComputePipeline,
-    /// Cells, faces, chains and edges, in the order of the bindings.
+    /// Cells, faces, chains, edges and ramps, in the order of the bindings.
     tables: Vec<wgpu::Buffer>,
     limits: Limits,
 }
 
 impl Gpu {
-    /// The field of an arrangement, with |γ| no less than `clearance` (world
-    /// units).
+    /// The field inside some boundaries.
     ///
     /// # Errors
     /// As [`field::new`](super::new); [`Error::Device`] when there is no such
-    /// adapter, or the arrangement does not fit into its memory.
-    pub fn new(arrangement: &Arrangement, clearance: f64, adapter: Adapter) -> Result<Self> {
-        let cpu = Cpu::new(arrangement, clearance)?;
+    /// adapter, or the boundaries do not fit into its memory.
+    pub fn new(boundaries: &Boundaries, adapter: Adapter) -> Result<Self> {
+        let cpu = Cpu::new(boundaries)?;
         let connection = Connection::open(adapter)?;
         let pipeline = connection.pipeline("field", SHADER, "evaluate");
         let tables = Tables::new(cpu.cells());
@@ -75,8 +73,8 @@ impl Gpu {
         let groups = batch.jobs.len() as u32;
         let weights =
             self.connection.dispatch(&self.pipeline, &inputs, groups, batch.value_count)?;
-        if !normalise(&weights, batch, values) {
-            return Err(self.garbage("an empty result"));
+        if let Err(total) = normalise(&weights, batch, values) {
+            return Err(self.garbage(&format!("an empty result (weights of {total})")));
         }
         self.spot_check(queries, batch, values)
     }
@@ -133,8 +131,8 @@ impl Field for Gpu {
     }
 }
 
-/// f from W for all points of a batch; false when a sum W cannot be one.
-fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> bool {
+/// f from W for all points of a batch; fails with a sum W that cannot be one.
+fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> std::result::Result<(), f32> {
     for (job, target) in batch.jobs.iter().zip(&batch.targets) {
         let count = job.points as usize * target.labels;
         let first = job.first_value as usize;
@@ -143,22 +141,22 @@ fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> bool {
         for (weights, values) in weights.zip(values) {
             let total: f32 = weights.iter().sum();
             if !(total.is_finite() && total > 0.0) {
-                return false;
+                return Err(total);
             }
-            indicator(weights.iter().copied(), values);
+            values.copy_from_slice(weights);
+            indicator(values);
         }
     }
-    true
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::batch::{Batch, Limits, batches};
-    use super::{Adapter, Gpu, normalise};
+    use super::{Adapter, Boundaries, Cpu, Gpu, normalise};
     use crate::error::Error;
     use crate::field::Field;
     use crate::field::fixture::{Random, Stack, busy_stack};
-    use crate::field::packing::pack;
     use crate::field::{Queries, Run};
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -199,8 +197,9 @@ mod tests {
         let stack: Stack = busy_stack(&mut random, 3, 10);
         let mut queries = stack.queries(&mut random, 1000);
         queries.runs.push(Run { cell: 0, points: 2000..2000 });
-        let cells = pack(&stack.arrangement(), 1e-6).unwrap();
-        let batches = batches(&cells, &queries, limits).collect();
+        let arrangement = stack.arrangement();
+        let cpu = Cpu::new(&Boundaries::new(&arrangement, 1e-6, None).unwrap()).unwrap();
+        let batches = batches(cpu.cells(), &queries, limits).collect();
         (queries, batches)
     }
 
@@ -237,12 +236,12 @@ mod tests {
             stack_batches(Limits { work: u64::MAX, groups: 65_535, bytes: 1 << 27 });
         let mut values = vec![1.0; queries.points.len() * 4];
         let mut weights = vec![0.5; batches[0].value_count];
-        assert!(normalise(&weights, &batches[0], &mut values));
+        assert!(normalise(&weights, &batches[0], &mut values).is_ok());
         assert!(values.iter().all(|&f| f == -0.5));
         weights[4..8].fill(0.0);
-        assert!(!normalise(&weights, &batches[0], &mut values));
+        assert!(normalise(&weights, &batches[0], &mut values).is_err());
         weights[4..8].fill(f32::NAN);
-        assert!(!normalise(&weights, &batches[0], &mut values));
+        assert!(normalise(&weights, &batches[0], &mut values).is_err());
     }
 
     /// Plausible numbers that are not the field's are noticed too.
@@ -251,7 +250,8 @@ mod tests {
         let mut random = Random(31);
         let stack = busy_stack(&mut random, 3, 10);
         let arrangement = stack.arrangement();
-        let gpu = match Gpu::new(&arrangement, 1e-6, Adapter::Any) {
+        let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+        let gpu = match Gpu::new(&boundaries, Adapter::Any) {
             Ok(gpu) => gpu,
             Err(Error::Device(_)) => return println!("skipped: no wgpu adapter"),
             Err(other) => panic!("{other}"),

@@ -1,0 +1,128 @@
+//! What the field interpolates: the labelled regions on the boundary of every
+//! cell, the unknown ones completed.
+
+use glam::DVec3;
+
+use super::completion::Completion;
+use crate::arrangement::{Arrangement, Face};
+use crate::error::{Error, Result};
+use crate::label::Label;
+
+/// The smallest clearance, in units of the box's diagonal or the cell's size.
+pub(super) const SMALLEST_CLEARANCE: f64 = 1e-9;
+
+/// A label that has less than this share everywhere on a cell's boundary can
+/// win nowhere in the cell, and is left out of it.
+const NEGLIGIBLE: f32 = 1e-3;
+
+/// How unknown regions are triangulated when nothing else is said: the edges'
+/// length as a part of the box's longest side.
+const SPACING: f64 = 1.0 / 48.0;
+
+/// The boundaries of an arrangement's cells.
+#[derive(Debug)]
+pub struct Boundaries<'a> {
+    arrangement: &'a Arrangement,
+    clearance: f64,
+    /// The known labels of each cell, sorted.
+    labels: Vec<Vec<Label>>,
+    completion: Completion,
+}
+
+/// The boundary of one cell.
+pub(super) struct Boundary<'a> {
+    pub arrangement: &'a Arrangement,
+    pub completion: &'a Completion,
+    /// In world units.
+    pub clearance: f64,
+    pub labels: &'a [Label],
+    pub faces: &'a [u32],
+}
+
+impl<'a> Boundaries<'a> {
+    /// The boundaries of the cells of an arrangement. Distances to a plane
+    /// below `clearance` count as `clearance`. Unknown regions are triangulated
+    /// with edges of about `spacing`, a 48th of the box's longest side when
+    /// none is given (both in world units, positive), and completed
+    /// (Bermano §5).
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a bad clearance or spacing, and where everything
+    /// is unknown.
+    pub fn new(arrangement: &'a Arrangement, clearance: f64, spacing: Option<f64>) -> Result<Self> {
+        let bounds = arrangement.bounds();
+        let spacing = spacing.unwrap_or(SPACING * bounds.size().max_element());
+        for (what, number) in [("clearance", clearance), ("spacing", spacing)] {
+            if !(number.is_finite() && number > 0.0) {
+                return Err(Error::Option(format!(
+                    "the field's {what} must be a positive number, not {number}"
+                )));
+            }
+        }
+        // Below this f32 could underflow.
+        let clearance = clearance.max(SMALLEST_CLEARANCE * bounds.diagonal());
+        let completion = Completion::new(arrangement, clearance, spacing)?;
+        let labels = (0..arrangement.cells().len())
+            .map(|cell| known_labels(arrangement, &completion, cell))
+            .collect();
+        Ok(Self { arrangement, clearance, labels, completion })
+    }
+
+    /// The distance that smaller ones to a plane count as, in world units.
+    pub fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
+    /// How many cells there are.
+    pub fn count(&self) -> usize {
+        self.labels.len()
+    }
+
+    /// What completed the unknown regions.
+    pub fn completion(&self) -> &Completion {
+        &self.completion
+    }
+
+    pub(super) fn boundary(&self, cell: usize) -> Boundary<'_> {
+        Boundary {
+            arrangement: self.arrangement,
+            completion: &self.completion,
+            clearance: self.clearance,
+            labels: &self.labels[cell],
+            faces: &self.arrangement.cells()[cell].faces,
+        }
+    }
+}
+
+impl<'a> Boundary<'a> {
+    /// The faces with their numbers.
+    pub fn faces(&self) -> impl Iterator<Item = (u32, &'a Face)> {
+        let arrangement = self.arrangement;
+        self.faces.iter().map(move |&face| (face, &arrangement.faces()[face as usize]))
+    }
+
+    /// The corners of the triangles on a face, in space.
+    pub fn triangles(&self, face: u32) -> impl Iterator<Item = [(u32, DVec3); 3]> {
+        let place = |corner: u32| (corner, self.completion.point(corner));
+        self.completion.triangles(face).iter().map(move |corners| corners.map(place))
+    }
+}
+
+/// The labels of a cell's known regions and of its completed ones.
+fn known_labels(arrangement: &Arrangement, completion: &Completion, cell: usize) -> Vec<Label> {
+    let cell = &arrangement.cells()[cell];
+    let mut labels = cell.labels.clone();
+    if labels.contains(&Label::UNKNOWN) {
+        labels.retain(|&label| label != Label::UNKNOWN);
+        for (slot, &label) in completion.labels().iter().enumerate() {
+            let shows = |corner: &u32| completion.share(*corner, slot) >= f64::from(NEGLIGIBLE);
+            let corners = cell.faces.iter().flat_map(|&face| completion.triangles(face)).flatten();
+            if corners.into_iter().any(shows) {
+                labels.push(label);
+            }
+        }
+        labels.sort();
+        labels.dedup();
+    }
+    labels
+}

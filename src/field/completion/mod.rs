@@ -1,0 +1,228 @@
+//! The completion of unknown regions (Bermano §5): what each label's share is
+//! at every point of them.
+//!
+//! They are triangulated, and shares are linear on the triangles. The share of
+//! a label at a corner is a mean of what is seen from there, weighted by the
+//! integral of 1/distance over all directions: within the plane, of the known
+//! regions around the unknown one (Bermano's second sum, in two dimensions);
+//! and in space, of the faces of the cells on both sides but those on the
+//! corner's own plane (the first sum). Both sums are divided by all their
+//! weights together, so that constants are reproduced.
+//!
+//! Bermano's first sum has the known regions of the whole cell group, wherever
+//! something else stands in between: with a little unknown on every section,
+//! every section would weigh on every other one. Here a corner sees the faces
+//! of its own, convex, cells. Where an unknown region is among them, its shares
+//! are what is seen there; so the shares are the solution of a linear system,
+//! and a group's cells see each other through their unknown regions. It is
+//! solved by repeated insertion: shares are means of shares, so every sweep
+//! makes the largest error smaller. Corners that have not seen anything known
+//! yet have no weight. With one unknown region between known ones this is
+//! Bermano's formula.
+//!
+//! Corners on contours have the labels beyond them, where there are several
+//! their mean (§5.1).
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::arrangement::Arrangement;
+use crate::error::{Error, Result};
+use crate::label::Label;
+
+mod groups;
+mod plane;
+mod sweep;
+
+use groups::{groups, has_unknown};
+use plane::UnknownPlane;
+use sweep::Sweeper;
+
+/// Shares that change by less from one sweep to the next are final.
+const TOLERANCE: f32 = 5e-4;
+/// More sweeps than any system in good order takes: the largest error shrinks
+/// by what part of the weights is known.
+const SWEEPS: u32 = 500;
+
+/// Triangles on unknown regions, and every label's share at their corners.
+#[derive(Debug, Default)]
+pub struct Completion {
+    /// The known labels, sorted.
+    labels: Vec<Label>,
+    /// The corners, in world units. A point between two cell groups is a
+    /// corner for each.
+    points: Vec<DVec3>,
+    /// For every corner one share per label.
+    shares: Vec<f32>,
+    /// For every face its triangles, counter-clockwise about the plane's
+    /// normal; nothing at all when nothing is unknown.
+    triangles: Vec<Vec<[u32; 3]>>,
+    sweeps: u32,
+}
+
+/// A corner that is not on a contour.
+struct Free {
+    corner: u32,
+    /// What it sees within its plane.
+    weights: Vec<f64>,
+}
+
+impl Completion {
+    /// Completes the unknown regions of an arrangement, triangulated with edges
+    /// of about `spacing` (world units).
+    ///
+    /// # Errors
+    /// [`Error::Option`] where nothing is known.
+    pub(super) fn new(arrangement: &Arrangement, clearance: f64, spacing: f64) -> Result<Self> {
+        if !arrangement.faces().iter().any(has_unknown) {
+            return Ok(Self::default());
+        }
+        let mut completion = Self { labels: labels(arrangement), ..Self::default() };
+        if completion.labels.is_empty() {
+            return Err(nothing_known());
+        }
+        let faces = arrangement.faces().len();
+        completion.triangles = vec![Vec::new(); faces];
+        let groups = groups(arrangement);
+        let mut free = Vec::new();
+        for plane in planes(arrangement, spacing)? {
+            free.append(&mut completion.add(arrangement, &plane, &groups));
+        }
+        let mut sweeper = Sweeper::new(arrangement, clearance, &completion, &free)?;
+        while completion.sweeps < SWEEPS {
+            completion.sweeps += 1;
+            if sweeper.sweep(&mut completion) < TOLERANCE {
+                break;
+            }
+        }
+        let shares = completion.shares.chunks_exact(completion.labels.len());
+        if shares.into_iter().any(|shares| shares.iter().all(|&share| share == 0.0)) {
+            return Err(nothing_known());
+        }
+        Ok(completion)
+    }
+
+    /// Adds a plane's triangles, and returns the corners whose shares are still
+    /// to be found.
+    fn add(
+        &mut self,
+        arrangement: &Arrangement,
+        plane: &UnknownPlane,
+        groups: &[u32],
+    ) -> Vec<Free> {
+        let group = |face: u32| {
+            let cell = arrangement.faces()[face as usize].cells.into_iter().flatten().next();
+            cell.map_or(0, |cell| groups[cell as usize])
+        };
+        let fixed = plane.fixed(&self.labels);
+        let mut numbers: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+        let mut points = Vec::new();
+        for &(face, corners) in &plane.triangles {
+            let group = group(face);
+            let corners = corners.map(|point| {
+                let next = self.points.len() as u32;
+                let number = *numbers.entry((point, group)).or_insert(next);
+                if number == next {
+                    self.points.push(plane.points[point as usize]);
+                    points.push((number, point));
+                }
+                number
+            });
+            self.triangles[face as usize].push(corners);
+        }
+        let none = vec![0.0; self.labels.len()];
+        for &(_, point) in &points {
+            self.shares.extend(fixed[point as usize].as_ref().unwrap_or(&none));
+        }
+        let free = points.into_par_iter().filter(|&(_, point)| fixed[point as usize].is_none());
+        free.map(|(corner, point)| Free { corner, weights: plane.weights(point, &self.labels) })
+            .collect()
+    }
+
+    /// The known labels, sorted.
+    pub fn labels(&self) -> &[Label] {
+        &self.labels
+    }
+
+    /// How many triangles the unknown regions have.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.iter().map(Vec::len).sum()
+    }
+
+    /// How many corners they have.
+    pub fn corner_count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// How many sweeps it took.
+    pub fn sweeps(&self) -> u32 {
+        self.sweeps
+    }
+
+    /// A corner, in world units.
+    pub fn point(&self, corner: u32) -> DVec3 {
+        self.points[corner as usize]
+    }
+
+    /// A label's share at a corner, in [0, 1]; the label by its place among
+    /// [`Completion::labels`].
+    pub fn share(&self, corner: u32, slot: usize) -> f64 {
+        self.shares[corner as usize * self.labels.len() + slot].into()
+    }
+
+    /// The triangles on a face.
+    pub fn triangles(&self, face: u32) -> &[[u32; 3]] {
+        self.triangles.get(face as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// The triangles on which the label with the largest share changes: where
+    /// the surface passes though no contour does.
+    pub fn changes(&self) -> impl Iterator<Item = [DVec3; 3]> {
+        let changes = |corners: &&[u32; 3]| {
+            let [a, b, c] = corners.map(|corner| self.winner(corner));
+            a != b || b != c
+        };
+        let place = |corners: &[u32; 3]| corners.map(|corner| self.point(corner));
+        self.triangles.iter().flatten().filter(changes).map(place)
+    }
+
+    /// The label with the largest share, of equals the smallest.
+    fn winner(&self, corner: u32) -> usize {
+        let slots = (0..self.labels.len()).rev();
+        slots.max_by(|&a, &b| self.share(corner, a).total_cmp(&self.share(corner, b))).unwrap_or(0)
+    }
+
+    /// Where some of the labels stand among the completion's; those that it
+    /// does not know are left out.
+    pub(super) fn slots(&self, labels: &[Label]) -> Vec<usize> {
+        labels.iter().filter_map(|label| self.labels.binary_search(label).ok()).collect()
+    }
+}
+
+/// The known labels on all faces.
+fn labels(arrangement: &Arrangement) -> Vec<Label> {
+    let mut labels: Vec<Label> =
+        arrangement.cells().iter().flat_map(|cell| &cell.labels).copied().collect();
+    labels.sort();
+    labels.dedup();
+    labels.retain(|&label| label != Label::UNKNOWN);
+    labels
+}
+
+/// The triangulated unknown regions of all planes that have any.
+fn planes(arrangement: &Arrangement, spacing: f64) -> Result<Vec<UnknownPlane>> {
+    let mut faces: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (index, face) in arrangement.faces().iter().enumerate() {
+        faces.entry(face.plane).or_default().push(index as u32);
+    }
+    let mut planes: Vec<Vec<u32>> = faces.into_values().collect();
+    let face = |&index: &u32| &arrangement.faces()[index as usize];
+    planes.retain(|faces| faces.iter().map(face).any(has_unknown));
+    planes.par_iter().map(|faces| UnknownPlane::new(arrangement, faces, spacing)).collect()
+}
+
+fn nothing_known() -> Error {
+    Error::Option("everything is unknown: there is nothing to reconstruct from".to_owned())
+}

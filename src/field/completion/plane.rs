@@ -1,0 +1,276 @@
+//! The unknown regions of one plane: their triangulation, and what is known
+//! around them.
+
+use std::collections::HashMap;
+
+use glam::{DVec2, DVec3};
+
+use crate::arrangement::{Arrangement, FaceEdge, components};
+use crate::error::{Error, Result};
+use crate::ffi::triangulation::{self as ffi, Triangulation};
+use crate::label::Label;
+use crate::plane::Plane;
+
+/// How far the middle of a border's piece may lie off the contour that it is a
+/// piece of, relative to the size of the box: rounding only.
+const ON_CONTOUR: f64 = 1e-10;
+
+/// The triangulated unknown regions of a plane.
+#[derive(Debug, Default)]
+pub(super) struct UnknownPlane {
+    /// World units.
+    pub points: Vec<DVec3>,
+    /// A face of the arrangement, and three points on it, counter-clockwise
+    /// about the plane's normal.
+    pub triangles: Vec<(u32, [u32; 3])>,
+    /// For each point its connected region.
+    regions: Vec<u32>,
+    /// Where known regions of the plane begin, unknown on the left.
+    borders: Vec<Border>,
+    /// The points in the plane's frame.
+    flat: Vec<DVec2>,
+}
+
+/// An edge between an unknown region and a known one.
+#[derive(Debug, Clone, Copy)]
+struct Border {
+    start: u32,
+    end: u32,
+    /// Beyond it.
+    label: Label,
+    /// The region on this side.
+    region: u32,
+}
+
+/// A contour as the arrangement has it, in the plane's frame.
+struct Contour {
+    start: DVec2,
+    end: DVec2,
+    label: Label,
+}
+
+/// A plane's frame: the first point seen is the origin, so that coordinates
+/// stay small.
+struct Frame {
+    origin: DVec3,
+    tangents: [DVec3; 2],
+}
+
+impl Frame {
+    fn flatten(&self, point: DVec3) -> DVec2 {
+        let offset = point - self.origin;
+        DVec2::new(self.tangents[0].dot(offset), self.tangents[1].dot(offset))
+    }
+
+    fn lift(&self, [u, v]: [f64; 2]) -> DVec3 {
+        self.origin + u * self.tangents[0] + v * self.tangents[1]
+    }
+}
+
+/// What is handed to the triangulation.
+#[derive(Default)]
+struct Input {
+    points: Vec<DVec3>,
+    numbers: HashMap<[u64; 3], u32>,
+    segments: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl Input {
+    fn number(&mut self, point: DVec3) -> u32 {
+        let next = self.points.len() as u32;
+        // −0 and 0 are the same point.
+        let key = (point + 0.0).to_array().map(f64::to_bits);
+        let number = *self.numbers.entry(key).or_insert(next);
+        if number == next {
+            self.points.push(point);
+        }
+        number
+    }
+
+    fn add(&mut self, face: u32, edge: &FaceEdge) {
+        let unknown = [Some(edge.left), edge.right].map(|label| label == Some(Label::UNKNOWN));
+        if unknown[0] != unknown[1] {
+            let ends = [edge.start, edge.end].map(|point| self.number(point));
+            self.segments.extend(ends);
+            self.faces.push(face);
+        }
+    }
+}
+
+impl UnknownPlane {
+    /// Triangulates the unknown regions on some faces of a plane, with edges
+    /// of about `spacing` (world units).
+    pub fn new(arrangement: &Arrangement, faces: &[u32], spacing: f64) -> Result<Self> {
+        let face = |&index: &u32| (index, &arrangement.faces()[index as usize]);
+        let mut input = Input::default();
+        for (index, face) in faces.iter().map(face) {
+            face.edges.iter().for_each(|edge| input.add(index, edge));
+        }
+        let Some(&origin) = input.points.first() else { return Ok(Self::default()) };
+        let plane = arrangement.planes()[arrangement.faces()[faces[0] as usize].plane as usize];
+        let frame = Frame { origin, tangents: Plane::tangents(&plane) };
+        let flat: Vec<f64> =
+            input.points.iter().flat_map(|&point| frame.flatten(point).to_array()).collect();
+        let made = ffi::triangulate(&flat, &input.segments, &input.faces, spacing)
+            .map_err(|exception| Error::library("completion", &exception))?;
+        let contours = faces
+            .iter()
+            .flat_map(|&index| arrangement.faces()[index as usize].edges.iter())
+            .filter_map(|edge| Contour::of(edge, &frame))
+            .collect::<Vec<_>>();
+        let reach = ON_CONTOUR * arrangement.bounds().diagonal();
+        Ok(Self::assemble(&input, &frame, &made, &contours, reach))
+    }
+
+    fn assemble(
+        input: &Input,
+        frame: &Frame,
+        made: &Triangulation,
+        contours: &[Contour],
+        reach: f64,
+    ) -> Self {
+        let flat: Vec<DVec2> = made.points.chunks_exact(2).map(DVec2::from_slice).collect();
+        let given = |(&input_point, flat): (&u32, &DVec2)| {
+            let known = input.points.get(input_point as usize);
+            known.copied().unwrap_or_else(|| frame.lift(flat.to_array()))
+        };
+        let points = made.inputs.iter().zip(&flat).map(given).collect();
+        let corners = made.triangles.chunks_exact(3).map(|three| [three[0], three[1], three[2]]);
+        let triangles: Vec<(u32, [u32; 3])> = made.regions.iter().copied().zip(corners).collect();
+        let (regions, rim) = connected(&triangles);
+        let mut plane =
+            Self { points, triangles, regions: vec![0; flat.len()], borders: vec![], flat };
+        for ((_, corners), &region) in plane.triangles.iter().zip(&regions) {
+            corners.iter().for_each(|&corner| plane.regions[corner as usize] = region);
+        }
+        plane.borders = plane.labelled(&rim, &regions, contours, reach);
+        plane
+    }
+
+    /// The pieces of the rim that lie on contours.
+    fn labelled(
+        &self,
+        rim: &[(usize, [u32; 2])],
+        regions: &[u32],
+        contours: &[Contour],
+        reach: f64,
+    ) -> Vec<Border> {
+        let bits = |point: DVec2| (point + 0.0).to_array().map(f64::to_bits);
+        let whole: HashMap<_, _> = contours
+            .iter()
+            .map(|contour| ([bits(contour.start), bits(contour.end)], contour.label))
+            .collect();
+        let label = |[start, end]: [DVec2; 2]| {
+            let found = whole.get(&[bits(start), bits(end)]).copied();
+            found.or_else(|| nearest(contours, start.midpoint(end), end - start, reach))
+        };
+        rim.iter()
+            .filter_map(|&(triangle, [start, end])| {
+                let label = label([start, end].map(|point| self.flat[point as usize]))?;
+                Some(Border { start, end, label, region: regions[triangle] })
+            })
+            .collect()
+    }
+
+    /// For every point on a border to known regions the share that each label
+    /// has there: of equal borders in every direction the mean. `None` for
+    /// the others.
+    pub fn fixed(&self, labels: &[Label]) -> Vec<Option<Vec<f32>>> {
+        let mut shares: Vec<Option<Vec<f32>>> = vec![None; self.points.len()];
+        for border in &self.borders {
+            let Ok(slot) = labels.binary_search(&border.label) else { continue };
+            for point in [border.start, border.end] {
+                shares[point as usize].get_or_insert_with(|| vec![0.0; labels.len()])[slot] += 1.0;
+            }
+        }
+        for shares in shares.iter_mut().flatten() {
+            let total: f32 = shares.iter().sum();
+            shares.iter_mut().for_each(|share| *share /= total);
+        }
+        shares
+    }
+
+    /// The weights of the labels around a point's region: the integral of
+    /// 1/ρ over the directions within the plane in which the region's border
+    /// is seen (the mean-value interpolant in two dimensions), in 1/world
+    /// units. Borders seen from behind, across something known, do not count.
+    pub fn weights(&self, point: u32, labels: &[Label]) -> Vec<f64> {
+        let mut weights = vec![0.0; labels.len()];
+        let (x, region) = (self.flat[point as usize], self.regions[point as usize]);
+        for border in self.borders.iter().filter(|border| border.region == region) {
+            let Ok(slot) = labels.binary_search(&border.label) else { continue };
+            let [p, q] = [border.start, border.end].map(|end| self.flat[end as usize] - x);
+            weights[slot] += seen(p, q);
+        }
+        weights
+    }
+}
+
+/// ∫ dφ / ρ(φ) over an edge that has the origin on its left, 0 for others:
+/// with h the distance to its line and φ measured from the foot,
+/// ∫ cos φ / h dφ.
+fn seen(p: DVec2, q: DVec2) -> f64 {
+    let d = q - p;
+    let cross = p.perp_dot(d);
+    if cross <= 0.0 {
+        return 0.0;
+    }
+    let length = d.length();
+    let sine = |end: DVec2| end.dot(d) / (length * end.length());
+    (sine(q) - sine(p)) * length / cross
+}
+
+impl Contour {
+    /// The known side of an edge, turned to the right: of a contour in a face
+    /// or, on a line where another plane crosses, of the face beyond it.
+    fn of(edge: &FaceEdge, frame: &Frame) -> Option<Self> {
+        let [start, end] = [edge.start, edge.end].map(|point| frame.flatten(point));
+        let (unknown, turned) = (Label::UNKNOWN, Self { start: end, end: start, label: edge.left });
+        match edge.right {
+            Some(label) if edge.left == unknown => Some(Self { start, end, label }),
+            Some(right) => (right == unknown).then_some(turned),
+            None => (edge.left != unknown).then_some(turned),
+        }
+    }
+
+    /// The squared distance of a point.
+    fn distance_squared(&self, point: DVec2) -> f64 {
+        let (d, to) = (self.end - self.start, point - self.start);
+        let along = (to.dot(d) / d.length_squared()).clamp(0.0, 1.0);
+        (to - along * d).length_squared()
+    }
+}
+
+/// The label of the contour that a point lies on and that runs the same way.
+fn nearest(contours: &[Contour], point: DVec2, along: DVec2, reach: f64) -> Option<Label> {
+    contours
+        .iter()
+        .filter(|contour| (contour.end - contour.start).dot(along) > 0.0)
+        .map(|contour| (contour.distance_squared(point), contour.label))
+        .filter(|(distance, _)| *distance <= reach * reach)
+        .min_by(|one, other| one.0.total_cmp(&other.0))
+        .map(|(_, label)| label)
+}
+
+/// For every triangle its connected part, and the edges that only one
+/// triangle has, with that triangle on the left.
+#[allow(clippy::type_complexity)]
+fn connected(triangles: &[(u32, [u32; 3])]) -> (Vec<u32>, Vec<(usize, [u32; 2])>) {
+    let mut edges: Vec<([u32; 2], usize, [u32; 2])> = Vec::with_capacity(3 * triangles.len());
+    for (index, (_, [a, b, c])) in triangles.iter().enumerate() {
+        for (start, end) in [(*a, *b), (*b, *c), (*c, *a)] {
+            edges.push(([start.min(end), start.max(end)], index, [start, end]));
+        }
+    }
+    edges.sort_unstable();
+    let pairs = edges.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+    let parts =
+        components(triangles.len() as u32, pairs.map(|pair| [pair[0].1 as u32, pair[1].1 as u32]));
+    let alone = |edge: &[([u32; 2], usize, [u32; 2])]| match edge {
+        [(_, triangle, ends)] => Some((*triangle, *ends)),
+        _ => None,
+    };
+    let rim = edges.chunk_by(|one, other| one.0 == other.0).filter_map(alone).collect();
+    (parts, rim)
+}
