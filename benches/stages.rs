@@ -76,7 +76,7 @@ fn reconstruct(file: &Path) -> Result<Arrangement> {
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
     stages.run("check", |_| {
-        let options = check::Options { self_intersections: false };
+        let options = check::Options::default();
         let lattice = &derived.samples.lattice;
         check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
     })?;

@@ -70,6 +70,7 @@ pub struct Cell {
 #[derive(Debug, Clone)]
 pub struct Arrangement {
     pub(crate) bounds: Bounds,
+    pub(crate) border: Label,
     pub(crate) planes: Vec<Plane>,
     pub(crate) faces: Vec<Face>,
     pub(crate) cells: Vec<Cell>,
@@ -96,6 +97,11 @@ impl Arrangement {
     /// The box.
     pub fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    /// The label of the box's faces.
+    pub fn border(&self) -> Label {
+        self.border
     }
 
     /// The sections' planes, then the six of the box: lower and upper x, y, z,

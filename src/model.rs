@@ -37,6 +37,9 @@ pub struct Options {
     pub smooth: u32,
     /// Where the field is evaluated.
     pub device: Device,
+    /// What is on the box's faces: [`Label::OUTSIDE`] closes every surface in
+    /// the box, [`Label::UNKNOWN`] lets materials leave it.
+    pub border: Label,
     /// How finely unknown regions are triangulated to be completed: the length
     /// of an edge in world units, a 16th of the box's longest side when none
     /// is given.
@@ -45,7 +48,13 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { resolution: Resolution::Voxels(256), smooth: 4, device: Device::Auto, spacing: None }
+        Self {
+            resolution: Resolution::Voxels(256),
+            smooth: 4,
+            device: Device::Auto,
+            border: Label::OUTSIDE,
+            spacing: None,
+        }
     }
 }
 
@@ -141,7 +150,7 @@ fn derive(
 
     let arrangement = stages.run("arrangement", |counts| {
         progress.begin("arrangement", 0);
-        let arrangement = Arrangement::new(all, bounds, Label::OUTSIDE)?;
+        let arrangement = Arrangement::new(all, bounds, options.border)?;
         let sound = arrangement.sanity_check();
         sound.map_err(|what| Error::Bug { stage: "arrangement", what })?;
         counts.insert("planes".into(), all.len() as u64);

@@ -73,6 +73,17 @@ impl Plane {
         [first, normal.cross(first)]
     }
 
+    /// The part in a box: a convex polygon, counter-clockwise about the normal;
+    /// empty when the plane misses the box.
+    pub fn polygon_in(&self, bounds: Bounds) -> Vec<DVec3> {
+        let center = (bounds.min + bounds.max) / 2.0;
+        let [first, second] = self.tangents();
+        let origin = center - self.distance(center) * self.unit_normal();
+        let reach = 2.0 * bounds.diagonal();
+        let corner = |[a, b]: [f64; 2]| origin + reach * (a * first + b * second);
+        bounds.clipped([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner).to_vec())
+    }
+
     /// Two unit vectors that with the unit normal form a right-handed frame.
     pub fn tangents(&self) -> [DVec3; 2] {
         let normal = self.unit_normal();
@@ -106,6 +117,15 @@ impl Bounds {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
+    /// The part of a convex polygon in the box.
+    pub fn clipped(&self, mut polygon: Vec<DVec3>) -> Vec<DVec3> {
+        for axis in 0..3 {
+            polygon = clipped(&polygon, |point| point[axis] - self.min[axis]);
+            polygon = clipped(&polygon, |point| self.max[axis] - point[axis]);
+        }
+        polygon
+    }
+
     /// The lengths of the sides.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
@@ -116,8 +136,56 @@ impl Bounds {
         self.size().length()
     }
 
+    /// Whether points all lie on or beyond one face, up to `tolerance` world
+    /// units.
+    pub fn on_one_face(&self, points: &[DVec3], tolerance: f64) -> bool {
+        let (min, max) = (self.min + tolerance, self.max - tolerance);
+        (0..3).any(|axis| {
+            points.iter().all(|point| point[axis] <= min[axis])
+                || points.iter().all(|point| point[axis] >= max[axis])
+        })
+    }
+
     /// The product of the sides.
     pub fn volume(&self) -> f64 {
         self.size().element_product()
+    }
+}
+
+/// The area of a plane polygon.
+pub fn polygon_area(polygon: &[DVec3]) -> f64 {
+    let fan = polygon.windows(2).map(|pair| (pair[0] - polygon[0]).cross(pair[1] - polygon[0]));
+    fan.sum::<DVec3>().length() / 2.0
+}
+
+/// The part of a convex polygon where `inside` is not negative.
+fn clipped(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (index, &from) in polygon.iter().enumerate() {
+        let to = polygon[(index + 1) % polygon.len()];
+        let [at_from, at_to] = [inside(from), inside(to)];
+        if at_from >= 0.0 {
+            kept.push(from);
+        }
+        if (at_from >= 0.0) != (at_to >= 0.0) {
+            kept.push(from.lerp(to, at_from / (at_from - at_to)));
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_are_cut_to_the_box() {
+        let unit = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
+        let area = |normal, offset| polygon_area(&Plane { normal, offset }.polygon_in(unit));
+        assert!((area(DVec3::new(0.0, 0.0, 2.0), 1.0) - 1.0).abs() < 1e-12);
+        // The regular hexagon with side √½, and the triangle with side √½.
+        assert!((area(DVec3::ONE, 1.5) - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12);
+        assert!((area(DVec3::ONE, 0.5) - 3.0_f64.sqrt() / 8.0).abs() < 1e-12);
+        assert_eq!(area(DVec3::X, 2.0), 0.0);
     }
 }

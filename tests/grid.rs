@@ -70,6 +70,7 @@ fn reconstructs(name: &str, voxels: u32) {
         lattice: &lattice,
         mesh: &mesh,
         samples: &samples,
+        sections: list,
         materials: &sections.materials,
         units: &sections.units,
         frame: &sections.frame,

@@ -37,7 +37,7 @@ fn reconstruct(file: &str) -> Option<(Model, Check)> {
     let mut stages = Stages::default();
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
-    let options = CheckOptions { self_intersections: false };
+    let options = CheckOptions::default();
     let lattice = &derived.samples.lattice;
     let check = check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
         .expect("it can be checked");

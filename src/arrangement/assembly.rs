@@ -52,7 +52,8 @@ pub(super) fn assemble(layout: Layout, planes: Vec<Vec<PlaneFace>>) -> Arrangeme
         }
     }
     let cells = cells(topology.cells.len(), &faces);
-    Arrangement { bounds: layout.bounds, planes: layout.planes, faces, cells, topology }
+    let Layout { bounds, border, planes, .. } = layout;
+    Arrangement { bounds, border, planes, faces, cells, topology }
 }
 
 impl Topology {

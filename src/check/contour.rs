@@ -172,7 +172,8 @@ impl<'a> Surroundings<'a> {
     /// [`LIMIT`] voxels' diameter that lies within `label`, or none that lies
     /// within one other label, comes within one voxel of the vertex. This is
     /// so at slivers, narrow gaps and small specks and holes, and at the tips
-    /// of spikes of less than 60°, but not at other corners.
+    /// of spikes of less than 60°, but not at other corners. What is unknown may
+    /// be either.
     fn is_thin(&self, vertex: u32, label: Label) -> bool {
         const DIRECTIONS: u32 = 32;
         let radius = LIMIT / 2.0;
@@ -187,17 +188,19 @@ impl<'a> Surroundings<'a> {
                 // A little less than the radius: along a straight contour the
                 // disc touches it.
                 if near.iter().all(|&edge| distance(centre, edge) > radius - 1e-3) {
-                    let inside = self.label_at(centre) == label;
-                    fits_inside |= inside;
-                    fits_beside |= !inside;
+                    let found = self.label_at(centre);
+                    fits_inside |= found == label || found == Label::UNKNOWN;
+                    fits_beside |= found != label;
                 }
             }
         }
         !(fits_inside && fits_beside)
     }
 
+    /// The edges between two known labels that come near to a point.
     fn edges_within(&self, at: DVec2, reach: f64) -> Vec<[DVec2; 2]> {
-        self.ends().map(|(ends, _)| ends).filter(|&ends| distance(at, ends) <= reach).collect()
+        let known = self.ends().filter(|(_, labels)| !labels.contains(&Label::UNKNOWN));
+        known.map(|(ends, _)| ends).filter(|&ends| distance(at, ends) <= reach).collect()
     }
 
     /// The ends of every edge, with its labels left and right.
@@ -294,6 +297,25 @@ mod tests {
             [0.0, 9.0],
         ]);
         assert_eq!(thin, [false, false, false, false, true, true, false, false]);
+    }
+
+    #[test]
+    fn what_is_unknown_makes_nothing_thin() {
+        // A strip one voxel wide, beyond whose lower side nothing is known.
+        let corners = [[0.0, 0.0], [20.0, 0.0], [20.0, 1.0], [0.0, 1.0]].map(DVec2::from);
+        let mut section = section(FLOOR, &corners, Label(1));
+        assert!((0..4).all(|vertex| Surroundings::new(&section, 1.0).is_thin(vertex, Label(1))));
+        section.vertices.extend([[25.0, -9.0], [-5.0, -9.0]].map(DVec2::from));
+        section.edges[0].right = Label::UNKNOWN;
+        let around = [[1, 4], [4, 5], [5, 0]];
+        section.edges.extend(around.map(|[start, end]| crate::section::Edge {
+            start,
+            end,
+            left: Label::OUTSIDE,
+            right: Label::UNKNOWN,
+        }));
+        let known = Surroundings::new(&section, 1.0);
+        assert!(!known.is_thin(2, Label(1)) && !known.is_thin(3, Label(1)));
     }
 
     #[test]

@@ -5,6 +5,8 @@ pub mod contour;
 pub mod overlap;
 #[cfg(test)]
 pub(crate) mod shapes;
+pub mod support;
+pub mod unknown;
 
 use std::collections::BTreeMap;
 
@@ -14,18 +16,24 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::grid::samples::Lattice;
 use crate::label::Label;
-use crate::mesh::Mesh;
+use crate::mesh::caps::CAP_TOLERANCE;
 use crate::mesh::facts::Facts;
+use crate::mesh::{Mesh, Surface};
+use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::Section;
 use contour::Contours;
 use overlap::Counts;
+use support::{Support, support};
 
 /// What is measured besides the rest.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Options {
     /// Whether self-intersections are counted, which is slow.
     pub self_intersections: bool,
+    /// The box, when the mesh is to be used without its caps: surfaces may then
+    /// be open there.
+    pub open: Option<Bounds>,
 }
 
 /// What a mesh is worth.
@@ -39,6 +47,8 @@ pub struct Check {
     pub contours: Contours,
     /// Every material of the sections and of the mesh, by number.
     pub labels: Vec<LabelCheck>,
+    /// Where the surface is farthest from what is known.
+    pub support: Support,
     /// The volume of the lattice's box less that of all materials, in cubic
     /// world units.
     pub outside_volume: f64,
@@ -66,6 +76,8 @@ pub struct SectionCheck {
     pub section: String,
     /// Of all materials together.
     pub dice: Option<f64>,
+    /// How much of its plane in the lattice's box is unknown, from 0 to 1.
+    pub unknown: f64,
     /// For each material by number.
     pub labels: BTreeMap<u32, Option<f64>>,
 }
@@ -75,19 +87,29 @@ pub struct SectionCheck {
 pub struct LabelCheck {
     /// The label.
     pub label: u32,
-    /// What its closed surface is like.
+    /// What its surface is like. Where caps are left out, volume, pieces and
+    /// genus are those with caps, and `outward` says that it was closed with
+    /// them.
     #[serde(flatten)]
     pub facts: Facts,
+    /// Edges with one triangle alone, where caps are left out.
+    pub open_edges: usize,
+    /// Whether all of them lie on the box.
+    pub open_at_box: bool,
 }
 
 impl Check {
-    /// Whether every surface is closed and faces outward.
+    /// Whether every surface faces outward and is closed, or closed but for the
+    /// box where caps are left out.
     pub fn is_sound(&self) -> bool {
-        self.labels.iter().all(|label| label.facts.closed && label.facts.outward)
+        self.labels.iter().all(|label| {
+            label.facts.outward && (label.facts.closed || label.open_edges > 0) && label.open_at_box
+        })
     }
 }
 
-/// Checks a mesh made on a lattice against the sections it was made from.
+/// Checks a mesh made on a lattice, with its caps, against the sections it was
+/// made from.
 pub fn check(
     sections: &[Section],
     mesh: &Mesh,
@@ -96,16 +118,23 @@ pub fn check(
     progress: &dyn Progress,
 ) -> Result<Check> {
     let labels = labels(sections, mesh);
-    progress.begin("check", (sections.len() + labels.len()) as u64 + 1);
-    let dice = agreement(sections, mesh, 0.5 * lattice.voxel, progress);
+    progress.begin("check", (sections.len() + labels.len()) as u64 + 2);
+    let dice = agreement(sections, mesh, lattice, progress);
     let contours = contour::contours(sections, mesh, lattice.voxel)?;
+    progress.advance(1);
+    let tolerance = CAP_TOLERANCE * lattice.voxel;
+    let opened = options.open.map(|bounds| mesh.without_caps(bounds, tolerance));
+    let used = opened.as_ref().unwrap_or(mesh);
+    let support = support(used, sections, lattice.voxel);
     progress.advance(1);
     let labels: Vec<LabelCheck> = labels
         .par_iter()
         .map(|&label| {
             let facts = mesh.surface(label).facts(options.self_intersections)?;
             progress.advance(1);
-            Ok(LabelCheck { label: label.0, facts })
+            let closed = LabelCheck { label: label.0, facts, open_edges: 0, open_at_box: true };
+            let Some(bounds) = options.open else { return Ok(closed) };
+            Ok(closed.without_caps(&used.surface(label), bounds, tolerance))
         })
         .collect::<Result<_>>()?;
     let box_volume = lattice.dims.iter().map(|&nodes| f64::from(nodes - 1) * lattice.voxel);
@@ -116,9 +145,33 @@ pub fn check(
         dice,
         contours,
         labels,
+        support,
         outside_volume: box_volume - materials,
         box_volume,
     })
+}
+
+impl LabelCheck {
+    /// The same for the surface without its caps.
+    fn without_caps(mut self, surface: &Surface, bounds: Bounds, tolerance: f64) -> Self {
+        let edges = surface.open_edges();
+        let on_box = |edge: &[u32; 2]| {
+            let ends = edge.map(|vertex| surface.vertices[vertex as usize]);
+            bounds.on_one_face(&ends, tolerance)
+        };
+        self.open_edges = edges.len();
+        self.open_at_box = edges.iter().all(on_box);
+        self.facts.closed &= edges.is_empty();
+        self.facts.area = surface.area();
+        self.facts.triangles = surface.triangles.len();
+        self
+    }
+}
+
+/// The box from the lattice's first node to its last.
+fn space_of(lattice: &Lattice) -> Bounds {
+    let last = lattice.dims.map(|nodes| nodes - 1);
+    Bounds { min: lattice.origin, max: lattice.position(last) }
 }
 
 fn labels(sections: &[Section], mesh: &Mesh) -> Vec<Label> {
@@ -129,7 +182,13 @@ fn labels(sections: &[Section], mesh: &Mesh) -> Vec<Label> {
     labels
 }
 
-fn agreement(sections: &[Section], mesh: &Mesh, pixel: f64, progress: &dyn Progress) -> Agreement {
+fn agreement(
+    sections: &[Section],
+    mesh: &Mesh,
+    lattice: &Lattice,
+    progress: &dyn Progress,
+) -> Agreement {
+    let (pixel, space) = (0.5 * lattice.voxel, space_of(lattice));
     let sections: Vec<SectionCheck> = sections
         .par_iter()
         .map(|section| {
@@ -138,6 +197,7 @@ fn agreement(sections: &[Section], mesh: &Mesh, pixel: f64, progress: &dyn Progr
             SectionCheck {
                 section: section.name().to_owned(),
                 dice: Counts::pooled(counts.values()).dice(),
+                unknown: unknown::unknown_share(section, space),
                 labels: counts.iter().map(|(label, counts)| (label.0, counts.dice())).collect(),
             }
         })
@@ -155,7 +215,7 @@ mod tests {
 
     use super::*;
     use crate::mesh::dual;
-    use crate::mesh::shapes::samples;
+    use crate::mesh::shapes::{cylinder, open_samples, samples};
     use crate::plane::Plane;
     use crate::progress::Silent;
 
@@ -195,5 +255,36 @@ mod tests {
         let pooled = 2.0 * 0.16 / (0.16 + 0.16 + 0.39);
         assert!((check.dice.mean - pooled).abs() < 0.01, "{}", check.dice.mean);
         assert!(check.contours.largest < 0.1);
+    }
+
+    #[test]
+    fn a_cylinder_without_caps_is_sound_where_it_leaves_the_box_only() {
+        let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+        let (radius, voxel) = (0.6, 0.04);
+        let samples = open_samples(bounds, 50, cylinder(radius, voxel));
+        let mesh = dual(&samples, &Silent).unwrap();
+        let plane = Plane { normal: DVec3::Z, offset: 0.3 };
+        let sections = [shapes::disc(plane, radius, 200, Label(1))];
+        let check = |mesh: &Mesh, open| {
+            let options = Options { open, ..Options::default() };
+            super::check(&sections, mesh, &samples.lattice, options, &Silent).unwrap()
+        };
+        let lateral = 2.0 * PI * radius * 2.0;
+        let disc = PI * radius * radius;
+        for (open, area) in [(None, lateral + 2.0 * disc), (Some(bounds), lateral)] {
+            let check = check(&mesh, open);
+            let LabelCheck { facts, open_edges, open_at_box, .. } = &check.labels[0];
+            assert!(check.is_sound() && facts.outward && *open_at_box);
+            assert_eq!((facts.closed, *open_edges > 0), (open.is_none(), open.is_some()));
+            assert!((facts.volume / (2.0 * disc) - 1.0).abs() < 2e-3);
+            assert!((facts.area / area - 1.0).abs() < 2e-3);
+            assert!(check.dice.min > 0.99);
+        }
+        // In a box that is said to be larger, the same ends are holes.
+        let larger = bounds.grown(0.1);
+        assert!(check(&mesh, Some(larger)).is_sound(), "there are no caps in that box");
+        let holed = mesh.without_caps(bounds, 0.0);
+        assert!(!check(&holed, Some(larger)).is_sound());
+        assert!(!check(&holed, None).is_sound());
     }
 }

@@ -58,13 +58,19 @@ pub struct ReconstructArguments {
     /// How the surface is made from the grid: dual contouring
     #[arg(long, value_enum, default_value_t = MesherName::Dual)]
     pub mesher: MesherName,
+    /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it
+    #[arg(long = "box", value_name = "LABEL", value_enum, default_value_t = BorderName::Outside)]
+    pub border: BorderName,
+    /// Close surfaces where they leave the box; volumes are closed always
+    #[arg(long)]
+    pub caps: bool,
     /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too
     #[arg(long, value_enum, default_value_t = DeviceName::Auto)]
     pub device: DeviceName,
     /// Threads [default: as many as there are processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
-    /// Grids of a .vdb file, separated by commas: surface, density, label, surface_<label>, indicator_<label>; * for every label
+    /// Grids of a .vdb file, separated by commas: surface, density, label, surface_<label>, indicator_<label>, evidence, margin; * for every label
     #[arg(
         long,
         value_name = "NAME,...",
@@ -204,6 +210,21 @@ pub enum MethodName {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MesherName {
     Dual,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BorderName {
+    Outside,
+    Unknown,
+}
+
+impl From<BorderName> for Label {
+    fn from(name: BorderName) -> Self {
+        match name {
+            BorderName::Outside => Self::OUTSIDE,
+            BorderName::Unknown => Self::UNKNOWN,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

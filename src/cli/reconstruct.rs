@@ -17,6 +17,7 @@ use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
 use crate::label::Material;
 use crate::mesh::Mesh;
+use crate::mesh::caps::CAP_TOLERANCE;
 use crate::model::{Derived, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
@@ -54,8 +55,10 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let derived = model
         .derived()
         .ok_or_else(|| Error::Bug { stage: "model", what: "nothing was derived".to_owned() })?;
+    // With caps the surfaces are closed as they would be without a box.
+    let open = derived.samples.open.filter(|_| !arguments.caps);
     let checked = stages.run("check", |_| {
-        let options = check::Options { self_intersections: false };
+        let options = check::Options { open, ..check::Options::default() };
         let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
         check(&model.sections().sections, mesh, lattice, options, watcher.progress())
     })?;
@@ -63,11 +66,19 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     if !checked.is_sound() {
         return Err(Error::Bug { stage: "check", what: "a surface is not closed".to_owned() });
     }
+    let tolerance = CAP_TOLERANCE * derived.samples.lattice.voxel;
+    let opened = open.map(|bounds| derived.mesh.without_caps(bounds, tolerance));
+    let results = Results {
+        sections: model.sections(),
+        derived,
+        surfaces: opened.as_ref().unwrap_or(&derived.mesh),
+        grids: &grids,
+    };
     for target in &targets {
         let stage = target.kind.stage();
         stages.run(stage, |_| {
             watcher.progress().begin(stage, 0);
-            write(&mut outputs, target, model.sections(), derived, &grids)
+            write(&mut outputs, target, &results)
         })?;
     }
     let report = Report::new(&model, derived, checked, &stages);
@@ -92,6 +103,7 @@ fn options(arguments: &ReconstructArguments) -> Options {
         resolution,
         smooth: arguments.smooth,
         device: arguments.device.into(),
+        border: arguments.border.into(),
         spacing: arguments.spacing,
     }
 }
@@ -103,26 +115,30 @@ fn reserve(arguments: &ReconstructArguments, targets: &[Target]) -> Result<Outpu
     Outputs::reserve(known.chain(&arguments.report).map(|path| path.as_path()))
 }
 
-fn write(
-    outputs: &mut Outputs,
-    target: &Target,
-    sections: &Sections,
-    derived: &Derived,
-    grids: &[GridName],
-) -> Result<()> {
+/// What there is to write.
+struct Results<'a> {
+    sections: &'a Sections,
+    derived: &'a Derived,
+    /// The network as it goes to files: without caps where the box is open.
+    surfaces: &'a Mesh,
+    grids: &'a [GridName],
+}
+
+fn write(outputs: &mut Outputs, target: &Target, results: &Results) -> Result<()> {
+    let Results { sections, surfaces, .. } = results;
     for (path, label) in target.files(&sections.materials)? {
         match (target.kind, label) {
             (Kind::Mesh(kind), None) => {
-                write_surface(outputs, &path, kind, &derived.mesh, &About::from(sections))?;
+                write_surface(outputs, &path, kind, surfaces, &About::from(*sections))?;
             }
             (Kind::Mesh(kind), Some(label)) => {
-                let part = derived.mesh.surface(label).into_mesh(label);
+                let part = surfaces.surface(label).into_mesh(label);
                 let own: Vec<Material> = sections.material(label).cloned().into_iter().collect();
-                let about = About { materials: &own, ..About::from(sections) };
+                let about = About { materials: &own, ..About::from(*sections) };
                 write_surface(outputs, &path, kind, &part, &about)?;
             }
-            (Kind::Vdb, _) => write_volumes(outputs, &path, sections, derived, grids)?,
-            (Kind::Picture, _) => write_picture(outputs, &path, sections, &derived.mesh)?,
+            (Kind::Vdb, _) => write_volumes(outputs, &path, results)?,
+            (Kind::Picture, _) => write_picture(outputs, &path, results)?,
         }
     }
     Ok(())
@@ -140,28 +156,17 @@ fn write_surface(
     })
 }
 
-fn write_volumes(
-    outputs: &mut Outputs,
-    path: &Path,
-    sections: &Sections,
-    derived: &Derived,
-    grids: &[GridName],
-) -> Result<()> {
-    let Derived { samples, mesh, .. } = derived;
-    let Sections { materials, units, frame, .. } = sections;
-    let lattice = &samples.lattice;
-    let contents = VdbContents { lattice, mesh, samples, materials, units, frame, grids };
+fn write_volumes(outputs: &mut Outputs, path: &Path, results: &Results) -> Result<()> {
+    let Derived { samples, mesh, .. } = results.derived;
+    let Sections { sections, materials, units, frame, .. } = results.sections;
+    let (lattice, grids) = (&samples.lattice, results.grids);
+    let contents = VdbContents { lattice, mesh, samples, sections, materials, units, frame, grids };
     outputs.write_at(path, |temporary| vdb::write(temporary, &contents))
 }
 
-fn write_picture(
-    outputs: &mut Outputs,
-    path: &Path,
-    sections: &Sections,
-    mesh: &Mesh,
-) -> Result<()> {
-    let options = PictureOptions::default();
-    let image = picture::render(mesh, &sections.sections, &sections.materials, &options);
+fn write_picture(outputs: &mut Outputs, path: &Path, results: &Results) -> Result<()> {
+    let Sections { sections, materials, .. } = results.sections;
+    let image = picture::render(results.surfaces, sections, materials, &PictureOptions::default());
     outputs.write(path, |out| {
         picture::write_png(&image, out).map_err(|error| write_error(path, &error))
     })

@@ -58,19 +58,37 @@ fn write_label(out: &mut String, report: &Report, label: &LabelCheck) -> std::fm
         number(facts.area),
         facts.components,
         facts.genus,
-        if facts.closed && facts.outward { "yes" } else { "NO" }
+        match label.open_edges {
+            0 if facts.closed && facts.outward => "yes",
+            1.. if label.open_at_box && facts.outward => "but for the box",
+            _ => "NO",
+        }
     )
 }
 
 fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
     let check = &report.check;
     writeln!(out)?;
+    let unknown: f64 = check.dice.sections.iter().map(|section| section.unknown).sum();
+    if unknown > 0.0 {
+        let share = 100.0 * unknown / check.dice.sections.len() as f64;
+        writeln!(out, "unknown          {share:.1} % of the sections")?;
+    }
     writeln!(out, "section Dice     mean {:.4}, least {:.4}", check.dice.mean, check.dice.min)?;
     writeln!(
         out,
         "contour distance mean {:.2}, largest {:.2} voxels",
         check.contours.mean, check.contours.largest
     )?;
+    if let Some(part) = check.support.parts.first() {
+        let [x, y, z] = part.at.map(number);
+        writeln!(
+            out,
+            "where to scan next: around ({x}, {y}, {z}), where the surface is up to {} from any \
+             section",
+            number(part.distance)
+        )?;
+    }
     let thin: usize = check.contours.thin.iter().map(|place| place.vertices).sum();
     if thin > 0 {
         writeln!(out, "too thin for the grid: {thin} contour vertices (--report lists them)")?;

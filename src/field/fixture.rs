@@ -123,7 +123,8 @@ impl Stack {
         let cells = (0..cells).map(|cell| self.cell(cell, &faces)).collect();
         let corners = faces.iter().flat_map(|face| face.edges.iter().map(|edge| edge.start));
         let bounds = Bounds::around(corners).unwrap();
-        Arrangement { bounds, planes, faces, cells, topology: Default::default() }
+        let border = Label::OUTSIDE;
+        Arrangement { bounds, border, planes, faces, cells, topology: Default::default() }
     }
 
     fn level_face(&self, plane: u32, z: f64, pattern: &Pattern) -> Face {

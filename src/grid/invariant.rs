@@ -70,7 +70,9 @@ fn check_leaf(samples: &Samples, leaf: &Leaf) -> Result<(), String> {
         return Err(format!("leaf {at:?}: materials are not sorted, or not distinct"));
     }
     let labels = leaf.labels();
-    check_outermost(samples, at, &labels)?;
+    if samples.open.is_none() {
+        check_outermost(samples, at, &labels)?;
+    }
     for (axis, forward) in faces() {
         let next = neighbor(at, axis, forward);
         let closed = !samples.lattice.has_leaf(next)

@@ -2,10 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
-
 use crate::error::{Error, Result};
-use crate::plane::{Bounds, Plane};
+use crate::plane::{Bounds, polygon_area};
 use crate::section::Section;
 
 use super::contour::segments;
@@ -63,43 +61,11 @@ fn surface_area(lattice: &Lattice, sections: &[Section]) -> f64 {
     let bounds = Bounds { min: lattice.origin, max: lattice.position(last) };
     let length: f64 =
         sections.iter().flat_map(segments).map(|[start, end]| start.distance(end)).sum();
-    let area: f64 = sections.iter().map(|section| area_in_box(section.plane(), bounds)).sum();
+    let area: f64 =
+        sections.iter().map(|section| polygon_area(&section.plane().polygon_in(bounds))).sum();
     // Sections without any area in the box: a layer of one voxel each.
     let per_area = if area > 0.0 { length / area } else { 0.0 };
     4.0 / std::f64::consts::PI * bounds.volume() * per_area
-}
-
-/// The area of a plane's part in a box.
-fn area_in_box(plane: &Plane, bounds: Bounds) -> f64 {
-    let center = (bounds.min + bounds.max) / 2.0;
-    let [first, second] = plane.tangents();
-    let origin = center - plane.distance(center) * plane.unit_normal();
-    let reach = 2.0 * bounds.diagonal();
-    let corner = |[a, b]: [f64; 2]| origin + reach * (a * first + b * second);
-    let mut polygon: Vec<DVec3> =
-        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner).to_vec();
-    for axis in 0..3 {
-        polygon = clipped(&polygon, |point| point[axis] - bounds.min[axis]);
-        polygon = clipped(&polygon, |point| bounds.max[axis] - point[axis]);
-    }
-    let fan = polygon.windows(2).map(|pair| (pair[0] - polygon[0]).cross(pair[1] - polygon[0]));
-    fan.sum::<DVec3>().length() / 2.0
-}
-
-/// The part of a convex polygon where `inside` is not negative.
-fn clipped(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for (index, &from) in polygon.iter().enumerate() {
-        let to = polygon[(index + 1) % polygon.len()];
-        let [at_from, at_to] = [inside(from), inside(to)];
-        if at_from >= 0.0 {
-            kept.push(from);
-        }
-        if (at_from >= 0.0) != (at_to >= 0.0) {
-            kept.push(from.lerp(to, at_from / (at_from - at_to)));
-        }
-    }
-    kept
 }
 
 /// Bytes that can still be had: what the system has, within the limits of
@@ -155,20 +121,12 @@ fn left_in_group(folder: &Path) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::grid::lattice::Resolution;
 
     const UNIT: Bounds = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
-
-    #[test]
-    fn planes_are_cut_to_the_box() {
-        let area = |normal, offset| area_in_box(&Plane { normal, offset }, UNIT);
-        assert!((area(DVec3::new(0.0, 0.0, 2.0), 1.0) - 1.0).abs() < 1e-12);
-        // The regular hexagon with side √½, and the triangle with side √½.
-        assert!((area(DVec3::ONE, 1.5) - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12);
-        assert!((area(DVec3::ONE, 0.5) - 3.0_f64.sqrt() / 8.0).abs() < 1e-12);
-        assert_eq!(area(DVec3::X, 2.0), 0.0);
-    }
 
     #[test]
     fn huge_grids_are_refused_at_once() {

@@ -7,6 +7,7 @@
 
 pub mod contour;
 pub mod distance;
+pub mod evidence;
 mod invariant;
 pub mod lattice;
 mod locate;

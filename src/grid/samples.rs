@@ -5,6 +5,7 @@
 use glam::DVec3;
 
 use crate::label::Label;
+use crate::plane::Bounds;
 
 /// Nodes of a leaf along each axis, as in OpenVDB.
 pub const LEAF_SIDE: usize = 8;
@@ -27,6 +28,16 @@ impl Lattice {
     /// Where a node is.
     pub fn position(&self, node: [i32; 3]) -> DVec3 {
         self.origin + self.voxel * DVec3::new(node[0].into(), node[1].into(), node[2].into())
+    }
+
+    /// Whether a node is neither on the lattice's border nor beyond it.
+    pub fn is_inner(&self, node: [i32; 3]) -> bool {
+        (0..3).all(|axis| 0 < node[axis] && node[axis] < self.dims[axis] - 1)
+    }
+
+    /// The nearest node that [is inner](Self::is_inner), if there is any.
+    pub fn nearest_inner(&self, node: [i32; 3]) -> [i32; 3] {
+        std::array::from_fn(|axis| node[axis].min(self.dims[axis] - 2).max(1))
     }
 
     /// Leaves along each axis.
@@ -67,6 +78,27 @@ impl Leaf {
         self.materials.iter().find(|material| material.label == label).map_or(0.0, share)
     }
 
+    /// One of its nodes in the lattice.
+    pub fn node(&self, node: usize) -> [i32; 3] {
+        let offset = super::invariant::node_offset(node);
+        std::array::from_fn(|axis| self.at[axis] * LEAF_SIDE as i32 + offset[axis] as i32)
+    }
+
+    /// How far every node's label leads over the second best: the difference of
+    /// their indicators, from 0 to 2.
+    pub fn margins(&self) -> Vec<f32> {
+        let margin = |node: usize| {
+            let outside = self.share(node, Label::OUTSIDE);
+            let materials = self.materials.iter();
+            let shares = materials.map(|own| (f64::from(own.values[node]) + 1.0) / 2.0);
+            let [best, second] = shares.fold([outside, 0.0], |[best, second], share| {
+                [best.max(share), second.max(best.min(share))]
+            });
+            (2.0 * (best - second)).clamp(0.0, 2.0) as f32
+        };
+        (0..LEAF_NODES).map(margin).collect()
+    }
+
     /// The label of every node: the one with the largest share, of equals the
     /// smallest.
     pub fn labels(&self) -> Vec<Label> {
@@ -87,7 +119,7 @@ impl Leaf {
 /// Invariant: where two neighbouring nodes have different labels, both lie in
 /// leaves of [`Samples::leaves`] or have the labels of [`Samples::tiles`]; the
 /// label of every node of the lattice is thus defined. The outermost nodes of
-/// the lattice are outside.
+/// the lattice are outside, unless the box is open.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
     /// Where the nodes are.
@@ -97,6 +129,11 @@ pub struct Samples {
     /// For every leaf of the lattice its label where it is not in `leaves`,
     /// x slowest, z fastest.
     pub tiles: Vec<Label>,
+    /// The box, when it is open: materials reach up to its faces, and nodes
+    /// that are not inside have the values of the nearest nodes that are. What
+    /// lies beyond the box is outside all the same, and meshers end the
+    /// surface on its faces.
+    pub open: Option<Bounds>,
 }
 
 impl Samples {
@@ -121,5 +158,23 @@ impl Samples {
     /// What does not, and where.
     pub fn sanity_check(&self) -> std::result::Result<(), String> {
         super::invariant::check(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_margin_is_the_lead_over_the_second_best() {
+        let own =
+            |label, value| LeafValues { label: Label(label), values: vec![value; LEAF_NODES] };
+        let margin = |materials| Leaf { at: [0; 3], materials }.margins()[100];
+        // Shares of 0.6, 0.3 and, outside, 0.1.
+        assert!((margin(vec![own(1, 0.2), own(2, -0.4)]) - 0.6).abs() < 1e-6);
+        // Shares of 0.25 and, outside, 0.75.
+        assert!((margin(vec![own(4, -0.5)]) - 1.0).abs() < 1e-6);
+        assert_eq!(margin(vec![own(4, 1.0)]), 2.0);
+        assert_eq!(margin(vec![]), 2.0);
     }
 }

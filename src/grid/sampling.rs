@@ -13,7 +13,7 @@ use crate::section::Section;
 
 use super::contour::{corners, pierced_voxels};
 use super::invariant::{differs_near_face, faces, neighbor, node_offset};
-use super::locate::{Cells, leaf_cells, node_cell};
+use super::locate::{Cells, leaf_cells, node_cell, place};
 use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples};
 
 mod batch;
@@ -139,7 +139,9 @@ impl Sampler<'_> {
             wave = self.take(next, &mut state.taken);
         }
         state.leaves.par_sort_unstable_by_key(|leaf| leaf.at);
-        let samples = Samples { lattice: self.lattice, leaves: state.leaves, tiles: state.tiles };
+        let State { leaves, tiles, .. } = state;
+        let open = self.cells.is_open().then(|| self.cells.bounds());
+        let samples = Samples { lattice: self.lattice, leaves, tiles, open };
         Ok(Sampling { samples, points: state.points })
     }
 
@@ -161,7 +163,7 @@ impl Sampler<'_> {
             let node = |index| self.lattice.leaf_at(index).map(|at| at * SIDE + COARSE);
             let cell = |index| node_cell(self.cells, &self.lattice, node(index));
             let cells = indices.clone().into_par_iter().map(cell).collect();
-            let position = |index| self.lattice.position(node(start + index));
+            let position = |index| place(self.cells, &self.lattice, node(start + index));
             let batch = Batch::evaluate(self.field, cells, position)?;
             points += batch.points;
             tiles.par_extend((0..indices.len()).into_par_iter().map(|index| batch.label(index)));
@@ -195,7 +197,7 @@ impl Sampler<'_> {
         let position = |node: usize| {
             let (at, offset) = (leaves[node / LEAF_NODES], node_offset(node % LEAF_NODES));
             let node = std::array::from_fn(|axis| at[axis] * SIDE + offset[axis] as i32);
-            self.lattice.position(node)
+            place(self.cells, &self.lattice, node)
         };
         let batch = Batch::evaluate(self.field, cells, position)?;
         state.points += batch.points;

@@ -37,20 +37,22 @@ pub struct Grid {
     region: Vec<[i32; 3]>,
     lattice: Lattice,
     tiles: Vec<Label>,
+    open: Option<Bounds>,
 }
 
 impl Grid {
-    /// Moves samples into trees. Nodes around the contours and nodes that are
-    /// not inside the box will stay as they are.
+    /// Moves samples into trees. Nodes around the contours will stay as they
+    /// are, and those that are not inside the box unless it is open.
     ///
     /// # Errors
     /// When OpenVDB fails.
     pub fn from_samples(samples: Samples, sections: &[Section], bounds: Bounds) -> Result<Self> {
         let materials = samples.materials();
         let region: Vec<[i32; 3]> = samples.leaves.iter().map(|leaf| leaf.at).collect();
-        let fixed = fixed_nodes(&samples.lattice, &region, sections, bounds);
+        let closed = samples.open.is_none().then_some(bounds);
+        let fixed = fixed_nodes(&samples.lattice, &region, sections, closed);
         let mut trees = ffi::new_grid(&flat(&region), &fixed).map_err(library)?;
-        let Samples { lattice, leaves, tiles } = samples;
+        let Samples { lattice, leaves, tiles, open } = samples;
         for &label in &materials {
             let own = leaves.iter().filter_map(|leaf| {
                 let values = leaf.materials.iter().find(|own| own.label == label)?;
@@ -60,7 +62,7 @@ impl Grid {
             let values: Vec<f32> = values.into_iter().flatten().copied().collect();
             ffi::add_material(trees.pin_mut(), &flat(&at), &values).map_err(library)?;
         }
-        Ok(Self { trees, materials, region, lattice, tiles })
+        Ok(Self { trees, materials, region, lattice, tiles, open })
     }
 
     /// Smooths.
@@ -90,7 +92,8 @@ impl Grid {
                 }
             }
         }
-        let mut samples = Samples { lattice: self.lattice, leaves, tiles: self.tiles };
+        let Self { lattice, tiles, open, .. } = self;
+        let mut samples = Samples { lattice, leaves, tiles, open };
         close(&mut samples);
         Ok(samples)
     }
@@ -146,12 +149,15 @@ fn constant_leaf(at: [i32; 3], label: Label) -> Leaf {
     Leaf { at, materials }
 }
 
-/// One bit for every node of every leaf: whether it stays as it is.
+/// One bit for every node of every leaf: whether it stays as it is. In a
+/// closed box these are also the nodes that are not inside. In an open one
+/// they are smoothed with the others, so that nothing pulls at the surface
+/// where it leaves the box.
 fn fixed_nodes(
     lattice: &Lattice,
     region: &[[i32; 3]],
     sections: &[Section],
-    bounds: Bounds,
+    closed: Option<Bounds>,
 ) -> Vec<u64> {
     let side = LEAF_SIDE as i32;
     let mut fixed = vec![0; region.len() * LEAF_NODES / 64];
@@ -159,8 +165,8 @@ fn fixed_nodes(
         for node in 0..LEAF_NODES {
             let offset = node_offset(node);
             let node_at = std::array::from_fn(|axis| at[axis] * side + offset[axis] as i32);
-            let outside = !is_inside(bounds, lattice.position(node_at));
-            words[node / 64] |= u64::from(outside) << (node % 64);
+            let outside = |bounds| !is_inside(bounds, lattice.position(node_at));
+            words[node / 64] |= u64::from(closed.is_some_and(outside)) << (node % 64);
         }
     });
     for node in pierced_voxels(sections, lattice).into_iter().flat_map(corners) {

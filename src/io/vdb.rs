@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use cxx::UniquePtr;
+use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::ffi::vdb as ffi;
 use crate::grid::distance::{HALF_WIDTH, narrow_band};
-use crate::grid::samples::{Lattice, Leaf, Samples};
+use crate::grid::evidence::Evidence;
+use crate::grid::samples::{LEAF_NODES, Lattice, Leaf, Samples};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
+use crate::section::Section;
 
 mod names;
 mod reading;
@@ -29,6 +32,8 @@ pub struct VdbContents<'a> {
     pub mesh: &'a Mesh,
     /// The indicators, for `label` and `indicator_<label>`.
     pub samples: &'a Samples,
+    /// What the samples were made from, for `evidence`.
+    pub sections: &'a [Section],
     /// All materials.
     pub materials: &'a [Material],
     /// The unit of length; empty when unknown.
@@ -68,6 +73,8 @@ enum Grid {
     Label,
     SurfaceOf(Label),
     IndicatorOf(Label),
+    Evidence,
+    Margin,
 }
 
 impl Grid {
@@ -78,13 +85,15 @@ impl Grid {
             Self::Label => "label".to_owned(),
             Self::SurfaceOf(label) => format!("surface_{label}"),
             Self::IndicatorOf(label) => format!("indicator_{label}"),
+            Self::Evidence => "evidence".to_owned(),
+            Self::Margin => "margin".to_owned(),
         }
     }
 
     fn label(self) -> Option<Label> {
         match self {
             Self::SurfaceOf(label) | Self::IndicatorOf(label) => Some(label),
-            Self::Surface | Self::Density | Self::Label => None,
+            Self::Surface | Self::Density | Self::Label | Self::Evidence | Self::Margin => None,
         }
     }
 }
@@ -115,6 +124,14 @@ impl<'a> Builder<'a> {
             Grid::IndicatorOf(label) => {
                 add_indicator(&mut self.volumes, &name, self.contents.samples, label)
             }
+            Grid::Evidence => {
+                let evidence = Evidence::new(self.contents.sections);
+                self.add_near_surface(&name, 0.0, |leaf| {
+                    evidence.in_leaf(self.contents.lattice, leaf.at)
+                })
+            }
+            // Away from the surface one label has everything.
+            Grid::Margin => self.add_near_surface(&name, 2.0, Leaf::margins),
         }?;
         self.describe(grid)
     }
@@ -131,6 +148,21 @@ impl<'a> Builder<'a> {
             .map_err(library)?;
         self.level_sets.push((name.to_owned(), triangles));
         Ok(())
+    }
+
+    /// Values in the leaves near the surface alone.
+    fn add_near_surface(
+        &mut self,
+        name: &str,
+        background: f32,
+        values: impl Fn(&Leaf) -> Vec<f32> + Sync,
+    ) -> Result<()> {
+        let leaves = &self.contents.samples.leaves;
+        let at: Vec<i32> = leaves.iter().flat_map(|leaf| leaf.at).collect();
+        let values: Vec<Vec<f32>> = leaves.par_iter().map(&values).collect();
+        let values = values.concat();
+        ffi::add_values(self.volumes.pin_mut(), name, background, &at, &values, &[], &[])
+            .map_err(library)
     }
 
     fn add_density(&mut self, name: &str) -> Result<()> {
@@ -227,7 +259,15 @@ fn add_labels(volumes: &mut UniquePtr<ffi::Volumes>, name: &str, samples: &Sampl
         )));
     }
     let number = |label: Label| label.0 as i32;
-    let leaf = |leaf: &Leaf| Some(leaf.labels().into_iter().map(number).collect());
+    let leaf = |leaf: &Leaf| {
+        let mut numbers: Vec<i32> = leaf.labels().into_iter().map(number).collect();
+        if samples.open.is_some() {
+            // Beyond the box nothing is, though values lead there.
+            let beyond = |node: &usize| !samples.lattice.is_inner(leaf.node(*node));
+            (0..LEAF_NODES).filter(beyond).for_each(|node| numbers[node] = 0);
+        }
+        Some(numbers)
+    };
     let tile = |label: Label| label.is_material().then(|| number(label));
     let Sparse { leaves, values, tiles, tile_values } = Sparse::new(samples, leaf, tile);
     ffi::add_numbers(volumes.pin_mut(), name, &leaves, &values, &tiles, &tile_values)

@@ -1,5 +1,6 @@
 //! Triangle networks: every triangle knows the label on its two sides.
 
+pub mod caps;
 pub mod cut;
 pub mod dual;
 pub mod facts;
@@ -73,6 +74,14 @@ impl Surface {
     /// The corners of a triangle in space.
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    /// The sum of the triangles' areas, in square world units.
+    pub fn area(&self) -> f64 {
+        (0..self.triangles.len())
+            .map(|triangle| self.corners(triangle))
+            .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
+            .sum()
     }
 
     /// The enclosed volume by the divergence theorem, in cubic world units:

@@ -5,34 +5,48 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::{Mesh, dual};
-use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples};
+use crate::grid::lattice::Resolution;
+use crate::grid::samples::{LEAF_NODES, Lattice, Leaf, LeafValues, Samples};
 use crate::label::Label;
+use crate::plane::Bounds;
 use crate::progress::Silent;
 
 /// Samples of materials 1, 2, … whose indicators `values` gives at a node,
 /// all leaves in full.
 pub fn samples(lattice: Lattice, values: impl Fn([i32; 3]) -> Vec<f32>) -> Samples {
-    let [x, y, z] = lattice.leaf_dims();
-    let mut leaves = Vec::new();
-    for at in (0..x).flat_map(|x| (0..y).flat_map(move |y| (0..z).map(move |z| [x, y, z]))) {
-        let nodes: Vec<Vec<f32>> = (0..LEAF_NODES as i32)
-            .map(|node| [node / 64, node / 8 % 8, node % 8])
-            .map(|node| {
-                let node = [0, 1, 2].map(|axis| at[axis] * LEAF_SIDE as i32 + node[axis]);
-                let inner =
-                    (0..3).all(|axis| 0 < node[axis] && node[axis] < lattice.dims[axis] - 1);
-                let values = values(node);
-                if inner { values } else { vec![-1.0; values.len()] }
-            })
-            .collect();
+    let closed = |node| {
+        let values = values(node);
+        if lattice.is_inner(node) { values } else { vec![-1.0; values.len()] }
+    };
+    all_leaves(lattice, None, closed)
+}
+
+/// Samples in an open box, with so many voxels on its longest side and the
+/// indicators that `values` gives at a point.
+pub fn open_samples(bounds: Bounds, voxels: u32, values: impl Fn(DVec3) -> Vec<f32>) -> Samples {
+    let lattice = Lattice::new(bounds, Resolution::Voxels(voxels)).unwrap();
+    let nearest = |node| values(lattice.position(lattice.nearest_inner(node)));
+    all_leaves(lattice, Some(bounds), nearest)
+}
+
+fn all_leaves(
+    lattice: Lattice,
+    open: Option<Bounds>,
+    values: impl Fn([i32; 3]) -> Vec<f32>,
+) -> Samples {
+    let count = lattice.leaf_count() as usize;
+    let leaf = |index| {
+        let mut leaf = Leaf { at: lattice.leaf_at(index), materials: Vec::new() };
+        let nodes: Vec<Vec<f32>> = (0..LEAF_NODES).map(|node| values(leaf.node(node))).collect();
         let material = |index: usize| LeafValues {
             label: Label(index as u32 + 1),
             values: nodes.iter().map(|values| values[index]).collect(),
         };
-        leaves.push(Leaf { at, materials: (0..nodes[0].len()).map(material).collect() });
-    }
-    let tiles = vec![Label::OUTSIDE; (x * y * z) as usize];
-    Samples { lattice, leaves, tiles }
+        leaf.materials = (0..nodes[0].len()).map(material).collect();
+        leaf
+    };
+    let leaves = (0..count).map(leaf).collect();
+    Samples { lattice, leaves, tiles: vec![Label::OUTSIDE; count], open }
 }
 
 /// The mesh of one solid, from a signed distance that is positive inside, on
@@ -45,6 +59,14 @@ pub fn solid(nodes: i32, reach: f64, distance: impl Fn(DVec3) -> f64) -> Mesh {
         vec![scaled.clamp(-1.0, 1.0) as f32]
     });
     dual(&samples, &Silent).unwrap()
+}
+
+/// A cylinder around the z axis as a material's indicator.
+pub fn cylinder(radius: f64, voxel: f64) -> impl Fn(DVec3) -> Vec<f32> {
+    move |point| {
+        let inside = (radius - point.truncate().length()) / (3.0 * voxel);
+        vec![inside.clamp(-1.0, 1.0) as f32]
+    }
 }
 
 /// Panics unless the boundary of `label` has, for every edge, one triangle in

@@ -39,6 +39,16 @@ impl Mesh {
     }
 }
 
+impl Surface {
+    /// The edges of one triangle alone, by their vertices: where the surface is
+    /// open.
+    pub fn open_edges(&self) -> Vec<[u32; 2]> {
+        let sides = sorted_sides(&self.triangles);
+        let alone = |same: &[Side]| (same.len() == 1).then(|| same[0].0);
+        sides.chunk_by(|one, other| one.0 == other.0).filter_map(alone).collect()
+    }
+}
+
 /// Which corners of triangles are the same vertex: a union-find structure over
 /// `3 * triangle + corner`. Two corners at one vertex of the network are
 /// joined across an edge that both triangles share.

@@ -61,11 +61,16 @@ impl Field for Balls {
 struct Halves {
     bounds: Bounds,
     split: f64,
+    open: bool,
 }
 
 impl Cells for Halves {
     fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    fn is_open(&self) -> bool {
+        self.open
     }
 
     fn locate(&self, point: DVec3) -> u32 {
@@ -99,7 +104,7 @@ fn node_label(samples: &Samples, node: [i32; 3]) -> Label {
 #[test]
 fn every_node_of_two_balls_has_the_right_label() {
     let balls = Balls::new(&[(DVec3::splat(-0.3), 0.45), (DVec3::new(0.5, 0.4, 0.45), 0.4)]);
-    let cells = Halves { bounds: cube(1.0), split: 0.95 };
+    let cells = Halves { bounds: cube(1.0), split: 0.95, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(50)).unwrap();
     let Sampling { samples, points } = run(&balls, &cells, lattice, 1);
     samples.sanity_check().unwrap();
@@ -122,7 +127,7 @@ fn every_node_of_two_balls_has_the_right_label() {
 #[test]
 fn a_surface_on_the_box_is_closed_outside_of_it() {
     let balls = Balls::new(&[(DVec3::ZERO, 10.0)]);
-    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     for resolution in [6, 7, 14, 15, 16, 30] {
         let lattice = Lattice::new(cells.bounds, Resolution::Voxels(resolution)).unwrap();
         let samples = run(&balls, &cells, lattice, 1).samples;
@@ -136,7 +141,7 @@ fn a_surface_on_the_box_is_closed_outside_of_it() {
 #[test]
 fn a_wider_margin_keeps_the_surface_from_tiles() {
     let balls = Balls::new(&[(DVec3::splat(0.1), 0.61)]);
-    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
     let narrow = run(&balls, &cells, lattice, 1).samples;
     let wide = run(&balls, &cells, lattice, 4).samples;
@@ -159,7 +164,7 @@ fn contours_find_what_the_coarse_lattice_misses() {
     // A ball of three nodes' width between the coarse nodes.
     let center = DVec3::new(0.02, 0.03, 0.01);
     let balls = Balls::new(&[(center, 0.045)]);
-    let cells = Halves { bounds: cube(1.0), split: 2.0 };
+    let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
     assert!(run(&balls, &cells, lattice, 1).samples.leaves.is_empty());
 
@@ -186,11 +191,41 @@ fn contours_find_what_the_coarse_lattice_misses() {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let balls = Balls::new(&[(DVec3::splat(-0.3), 0.45), (DVec3::new(0.5, 0.4, 0.45), 0.4)]);
-    let cells = Halves { bounds: cube(1.0), split: 0.95 };
+    let cells = Halves { bounds: cube(1.0), split: 0.95, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(60)).unwrap();
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| run(&balls, &cells, lattice, 2))
     };
     assert_eq!(with(1), with(4));
+}
+
+#[test]
+fn in_an_open_box_nodes_beyond_it_have_the_nearest_values_inside() {
+    // One ball lies on a face of the box, the other one around a corner.
+    let balls = Balls::new(&[(DVec3::new(0.0, -0.2, 1.0), 0.5), (DVec3::splat(-1.0), 0.7)]);
+    let cells = Halves { bounds: cube(1.0), split: 2.0, open: true };
+    for resolution in [47, 48, 55] {
+        let lattice = Lattice::new(cells.bounds, Resolution::Voxels(resolution)).unwrap();
+        let samples = run(&balls, &cells, lattice, 3).samples;
+        samples.sanity_check().unwrap();
+        assert_eq!(samples.open, Some(cells.bounds));
+        let mut beyond = 0;
+        for leaf in &samples.leaves {
+            for (node, label) in leaf.labels().into_iter().enumerate() {
+                let node = leaf.node(node);
+                let nearest = lattice.position(lattice.nearest_inner(node));
+                assert_eq!(label, balls.label(nearest), "{node:?}");
+                beyond += u64::from(!lattice.is_inner(node) && label.is_material());
+            }
+        }
+        assert!(beyond > 100);
+        let mesh = crate::mesh::dual(&samples, &Silent).unwrap();
+        let ball = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+        // Half of the one, and an eighth of the other.
+        for (label, expected) in [(1, ball(0.5) / 2.0), (2, ball(0.7) / 8.0)] {
+            let volume = mesh.surface(Label(label)).volume();
+            assert!((volume / expected - 1.0).abs() < 0.02, "{volume} for {expected}");
+        }
+    }
 }

@@ -15,8 +15,8 @@ fn spike(leaves: i32, node: [usize; 3]) -> Samples {
     let mut values = vec![-1.0; LEAF_NODES];
     values[node_index(node)] = 1.0;
     let row = (0..leaves).map(|x| Leaf { at: [x, 0, 0], materials: Vec::new() });
-    let mut samples =
-        Samples { lattice, leaves: row.collect(), tiles: vec![Label::OUTSIDE; leaves as usize] };
+    let tiles = vec![Label::OUTSIDE; leaves as usize];
+    let mut samples = Samples { lattice, leaves: row.collect(), tiles, open: None };
     samples.leaves[0].materials.push(LeafValues { label: LABEL, values });
     samples
 }
@@ -122,7 +122,8 @@ fn rippled(inner: Label, outer: Label) -> Samples {
         let materials = [inner, outer].into_iter().filter(|label| label.is_material());
         Leaf { at, materials: materials.map(own).collect() }
     };
-    Samples { lattice, leaves: (0..125).map(leaf).collect(), tiles: vec![Label::OUTSIDE; 125] }
+    let tiles = vec![Label::OUTSIDE; 125];
+    Samples { lattice, leaves: (0..125).map(leaf).collect(), tiles, open: None }
 }
 
 /// How much neighbouring nodes differ, squared and summed up.

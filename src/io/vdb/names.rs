@@ -28,6 +28,10 @@ pub enum GridName {
     SurfaceOf(Which),
     /// `indicator_<label>`, or `indicator_*`: a material's indicator.
     IndicatorOf(Which),
+    /// `evidence`: the distance to the nearest known part of a section.
+    Evidence,
+    /// `margin`: how far the label at a node leads over the second.
+    Margin,
 }
 
 impl GridName {
@@ -44,7 +48,7 @@ impl FromStr for GridName {
         let unknown = || {
             Error::Option(format!(
                 "there is no grid called {name:?}: the grids are surface, density, label, \
-                 surface_<label> and indicator_<label>, with * for every label"
+                 evidence, margin, surface_<label> and indicator_<label>, with * for every label"
             ))
         };
         let which = |label: &str| match label {
@@ -58,6 +62,8 @@ impl FromStr for GridName {
             "surface" => Ok(Self::Surface),
             "density" => Ok(Self::Density),
             "label" => Ok(Self::Label),
+            "evidence" => Ok(Self::Evidence),
+            "margin" => Ok(Self::Margin),
             _ => match name.split_once('_') {
                 Some(("surface", label)) => Ok(Self::SurfaceOf(which(label)?)),
                 Some(("indicator", label)) => Ok(Self::IndicatorOf(which(label)?)),
@@ -75,6 +81,8 @@ pub(super) fn resolve(names: &[GridName], materials: &[Material]) -> Result<Vec<
             GridName::Surface => grids.push(Grid::Surface),
             GridName::Density => grids.push(Grid::Density),
             GridName::Label => grids.push(Grid::Label),
+            GridName::Evidence => grids.push(Grid::Evidence),
+            GridName::Margin => grids.push(Grid::Margin),
             GridName::SurfaceOf(which) => {
                 grids.extend(labels(which, materials)?.into_iter().map(Grid::SurfaceOf));
             }

@@ -3,14 +3,17 @@ use std::fs;
 use glam::DVec3;
 
 use super::*;
+use crate::check::shapes::disc;
 use crate::grid::distance::tests::sphere;
 use crate::grid::samples::{LEAF_NODES, LeafValues};
+use crate::plane::Plane;
 
 /// A ball of label 7 in the middle of a lattice of 40 nodes a side.
 struct Ball {
     lattice: Lattice,
     mesh: Mesh,
     samples: Samples,
+    sections: Vec<Section>,
     materials: Vec<Material>,
 }
 
@@ -45,9 +48,12 @@ impl Ball {
         let leaves = (0..125).filter(|&index| index != middle).map(leaf).collect();
         let mut tiles = vec![Label::OUTSIDE; 125];
         tiles[middle] = Label(7);
-        let samples = Samples { lattice, leaves, tiles };
+        let samples = Samples { lattice, leaves, tiles, open: None };
         let materials = vec![Material { id: 7, name: "Leber".to_owned(), color: [200, 16, 0] }];
-        Self { lattice, mesh, samples, materials }
+        // A disc through the centre, normal to z.
+        let plane = Plane { normal: DVec3::Z, offset: center.z };
+        let sections = vec![disc(plane, RADIUS * lattice.voxel, 40, Label(7))];
+        Self { lattice, mesh, samples, sections, materials }
     }
 
     fn contents<'a>(&'a self, grids: &'a [GridName]) -> VdbContents<'a> {
@@ -55,6 +61,7 @@ impl Ball {
             lattice: &self.lattice,
             mesh: &self.mesh,
             samples: &self.samples,
+            sections: &self.sections,
             materials: &self.materials,
             units: "mm",
             frame: "",
@@ -242,4 +249,25 @@ fn a_label_too_large_for_the_grid_is_an_error() {
     let grids = names("label");
     let error = write(Path::new("/nowhere"), &ball.contents(&grids)).unwrap_err().to_string();
     assert!(error.contains("3000000000"), "{error}");
+}
+
+#[test]
+fn evidence_and_margin_say_how_far_to_go() {
+    let ball = Ball::new();
+    let (_folder, file) = written(&ball, "evidence,margin");
+    let grids = file.grids().unwrap();
+    let names: Vec<&str> = grids.iter().map(|grid| grid.name.as_str()).collect();
+    assert_eq!(names, ["evidence", "margin"]);
+    assert!(grids.iter().all(|grid| grid.value_type == "float" && grid.class == "unknown"));
+    for node in [[5, 9, 30], [20, 19, 8], [31, 20, 19]] {
+        // The disc is known all over its plane, half a voxel above node 19.
+        let height = 0.1 * (f64::from(node[2]) - 19.5).abs();
+        assert!((file.value("evidence", node).unwrap() - height).abs() < 1e-6);
+        // With one material the shares are (1 ± f) / 2: twice |f| apart.
+        let radius = DVec3::from(node.map(|at| f64::from(at) - 19.5)).length();
+        let margin = 2.0 * ((RADIUS - radius) / 20.0).abs();
+        assert!((file.value("margin", node).unwrap() - margin).abs() < 1e-6);
+    }
+    // The tile in the middle is the ball's alone.
+    assert_eq!(file.value("margin", [20, 20, 20]).unwrap(), 2.0);
 }

@@ -103,8 +103,7 @@ impl Block {
         self.cell_at[place] = self.cells.len() as u16;
         let first = self.points.len() as u32;
         for piece in 0..pieces.count {
-            let own = (0..12).filter(|&edge| pieces.of_edge[edge] == piece);
-            self.points.push(self.world(mean(own.map(|edge| crossings[edge]))));
+            self.points.push(self.world(piece_point(patch, node, &pieces, piece, &crossings)));
         }
         self.cells.push(ActiveCell { node, first, pieces, links });
     }
@@ -168,6 +167,30 @@ fn face_links(patch: &Patch, node: [usize; 3], labels: &[Label; 8], face: usize)
         let [f0, f1, f2, f3] = corners.map(|corner| patch.lead(nodes[corner], even, odd));
         f0 * f2 - f1 * f3 > 0.0
     })
+}
+
+/// The mean of a piece's crossings. In cells at a face of an open box the edges
+/// that lead out of it do not count, as long as the piece has others: these
+/// say where the surface leaves the box.
+fn piece_point(
+    patch: &Patch,
+    node: [usize; 3],
+    pieces: &Pieces,
+    piece: u8,
+    crossings: &[DVec3; 12],
+) -> DVec3 {
+    let nodes = corner_nodes(node);
+    let own = || (0..12).filter(|&edge| pieces.of_edge[edge] == piece);
+    let within = |edge: &usize| {
+        let [low, high] = EDGE_CORNERS[*edge].map(|corner| nodes[corner]);
+        !patch.leaves_box(low, high)
+    };
+    let points = |edge| crossings[edge];
+    if own().any(|edge| within(&edge)) {
+        mean(own().filter(within).map(points))
+    } else {
+        mean(own().map(points))
+    }
 }
 
 /// The point where the interface crosses each edge between different labels,

@@ -35,10 +35,27 @@
 //! polygon, which pass it in opposite directions.
 //!
 //! Nodes on the border of the lattice are outside, so that every edge between
-//! different labels has all its four cells. A vertex may still be shared by
+//! different labels has all its four cells.
+//!
+//! # Caps
+//!
+//! In an open box ([`Samples::open`]) materials reach up to the nodes on the
+//! lattice's border, and polygons around edges to such a node are *caps*.
+//! Their corners are points in cells that the box's face passes through; these
+//! are put onto it, and so caps lie in the box's faces. Faces between two such
+//! cells have two neighbouring corners beyond the box, thus no checkerboard and
+//! no pinch: a cap is a quadrilateral. The cells around an edge between inner
+//! nodes are of two layers along both other axes, and along its own axis no
+//! face passes through them: no triangle of its polygon lies in one face of the
+//! box, so [`Mesh::is_cap`] tells caps by their place. [`Mesh::without_caps`]
+//! has edges with one triangle where a cap met another polygon: both corners of
+//! such an edge are the cap's, so it lies on the box.
+//!
+//! A vertex may still be shared by
 //! two sheets of one label; [`Mesh::surface`] gives each its own.
 
 mod block;
+mod border;
 mod cell;
 mod patch;
 mod polygon;
@@ -53,6 +70,7 @@ use crate::error::{Error, Result};
 use crate::grid::samples::{Leaf, Samples};
 use crate::progress::Progress;
 use block::Block;
+use border::BoxFaces;
 use patch::Leaves;
 use polygon::{Blocks, Pinched, Polygons};
 
@@ -68,10 +86,20 @@ pub fn dual(samples: &Samples, progress: &dyn Progress) -> Result<Mesh> {
     let blocks = blocks(&leaves, progress);
     let (mut points, polygons) = polygons(&leaves, &blocks)?;
     let lows: Vec<DVec3> = blocks.iter().flat_map(Block::lows_of_points).collect();
-    relax::relax(&mut points, &lows, &polygons);
-    let mut mesh = triangles::triangulate(points, &polygons);
+    let faces = samples.open.map(|open| BoxFaces::new(open, &samples.lattice));
     let lattice = samples.lattice;
+    if let Some(faces) = &faces {
+        let inverse = |point| (point - lattice.origin) / lattice.voxel;
+        faces.project(&mut points, &lows, inverse);
+    }
+    relax::relax(&mut points, &lows, &polygons, |low| {
+        faces.as_ref().is_some_and(|faces| faces.touch(low))
+    });
+    let mut mesh = triangles::triangulate(points, &polygons);
     mesh.vertices.par_iter_mut().for_each(|point| *point = lattice.origin + lattice.voxel * *point);
+    if let Some(faces) = &faces {
+        faces.project(&mut mesh.vertices, &lows, |point| point);
+    }
     Ok(mesh)
 }
 

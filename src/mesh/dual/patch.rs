@@ -1,7 +1,7 @@
 //! The nodes that the cells of one leaf touch: the leaf and the first layer
 //! of the leaves after it.
 
-use crate::grid::samples::{LEAF_SIDE, Leaf, Samples};
+use crate::grid::samples::{LEAF_SIDE, Lattice, Leaf, Samples};
 use crate::label::Label;
 
 /// Nodes of a patch along each axis.
@@ -79,6 +79,9 @@ enum Source<'a> {
 
 /// The 9 × 9 × 9 nodes from a leaf's first on.
 pub struct Patch<'a> {
+    lattice: &'a Lattice,
+    open: bool,
+    at: [i32; 3],
     sources: [Source<'a>; 8],
     labels: Vec<Label>,
 }
@@ -95,25 +98,33 @@ impl<'a> Patch<'a> {
         {
             return None;
         }
-        let mut patch = Self { sources, labels: vec![Label::OUTSIDE; SIDE * SIDE * SIDE] };
-        let dims = leaves.samples.lattice.dims;
+        let (lattice, open) = (&leaves.samples.lattice, leaves.samples.open.is_some());
+        let labels = vec![Label::OUTSIDE; SIDE * SIDE * SIDE];
+        let mut patch = Self { lattice, open, at, sources, labels };
         for x in 0..SIDE {
             for y in 0..SIDE {
                 for z in 0..SIDE {
                     let node = [x, y, z];
                     // What lies on the lattice's border or beyond is outside,
                     // so that every surface closes.
-                    let inner = (0..3).all(|axis| {
-                        let global = at[axis] * LEAF_SIDE as i32 + node[axis] as i32;
-                        0 < global && global < dims[axis] - 1
-                    });
-                    if inner {
+                    if patch.is_inner(node) {
                         patch.labels[index(node)] = patch.sampled_label(node);
                     }
                 }
             }
         }
         Some(patch)
+    }
+
+    /// Whether the edge between two nodes leads out of an open box: the
+    /// polygon around it is a cap.
+    pub fn leaves_box(&self, low: [usize; 3], high: [usize; 3]) -> bool {
+        self.open && !(self.is_inner(low) && self.is_inner(high))
+    }
+
+    fn is_inner(&self, node: [usize; 3]) -> bool {
+        let global = |axis: usize| self.at[axis] * LEAF_SIDE as i32 + node[axis] as i32;
+        self.lattice.is_inner(std::array::from_fn(global))
     }
 
     /// A node's label.

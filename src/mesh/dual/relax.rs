@@ -35,14 +35,21 @@ const NOTHING: Around = Around {
 };
 
 /// Moves the first `lows.len()` points, each within its cell, whose first node
-/// `lows` has. Points on junctions and of larger polygons stay.
-pub fn relax(points: &mut [DVec3], lows: &[DVec3], polygons: &[Polygons]) {
+/// `lows` has. Points on junctions, of larger polygons and in cells that
+/// `fixed` says yes to stay.
+pub fn relax(
+    points: &mut [DVec3],
+    lows: &[DVec3],
+    polygons: &[Polygons],
+    fixed: impl Fn(DVec3) -> bool + Sync,
+) {
     for _ in 0..STEPS {
         let around = surroundings(points, polygons);
         points[..lows.len()].par_iter_mut().zip(lows).zip(&around).for_each(
             |((point, low), around)| {
                 let normal = around.normal.normalize_or_zero();
-                if around.junction || around.count == 0.0 || normal == DVec3::ZERO {
+                let stays = around.junction || around.count == 0.0 || fixed(*low);
+                if stays || normal == DVec3::ZERO {
                     return;
                 }
                 let pull = around.neighbours / around.count - *point;

@@ -2,8 +2,10 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::grid::samples::Lattice;
+use crate::grid::smoothing::smoothed;
 use crate::label::Label;
-use crate::mesh::shapes::{assert_edge_manifold, samples, solid};
+use crate::mesh::shapes::{assert_edge_manifold, cylinder, open_samples, samples, solid};
+use crate::plane::Bounds;
 use crate::progress::Silent;
 
 /// A reproducible sequence (SplitMix64).
@@ -134,7 +136,7 @@ fn tiles_without_values_close_the_surface() {
     let lattice = unit_lattice([24; 3]);
     let mut tiles = vec![Label::OUTSIDE; 27];
     tiles[13] = Label(3);
-    let samples = Samples { lattice, leaves: Vec::new(), tiles };
+    let samples = Samples { lattice, leaves: Vec::new(), tiles, open: None };
     let mesh = dual(&samples, &Silent).unwrap();
     assert_sound(&mesh);
     let volume = mesh.surface(Label(3)).volume();
@@ -147,4 +149,105 @@ fn the_number_of_threads_does_not_matter() {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(mesh);
     let many = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap().install(mesh);
     assert_eq!(one, many);
+}
+
+/// Neither the lattice nor the leaves divide it evenly.
+const OPEN: Bounds = Bounds { min: DVec3::new(-1.0, -1.0, -0.73), max: DVec3::new(1.0, 1.0, 0.9) };
+
+#[test]
+fn a_cylinder_ends_flat_on_an_open_box() {
+    let (radius, voxels) = (0.61, 60);
+    let voxel = 2.0 / f64::from(voxels);
+    let mesh = dual(&open_samples(OPEN, voxels, cylinder(radius, voxel)), &Silent).unwrap();
+    assert_sound(&mesh);
+    let disc = PI * radius * radius;
+    let volume = mesh.surface(Label(1)).volume();
+    assert!((volume / (disc * 1.63) - 1.0).abs() < 2e-3, "{volume}");
+
+    let (caps, rest): (Vec<usize>, Vec<usize>) =
+        (0..mesh.triangles.len()).partition(|&triangle| mesh.is_cap(triangle, OPEN, 0.0));
+    for &cap in &caps {
+        let heights = mesh.corners(cap).map(|corner| corner.z);
+        assert!(heights == [-0.73; 3] || heights == [0.9; 3], "{heights:?}");
+    }
+    let area = |triangle: &usize| {
+        let [a, b, c] = mesh.corners(*triangle);
+        (b - a).cross(c - a).length() / 2.0
+    };
+    let (caps, rest): (f64, f64) = (caps.iter().map(area).sum(), rest.iter().map(area).sum());
+    assert!((caps / (2.0 * disc) - 1.0).abs() < 2e-3, "{caps}");
+    assert!((rest / (2.0 * PI * radius * 1.63) - 1.0).abs() < 2e-3, "{rest}");
+}
+
+#[test]
+fn without_caps_a_cylinder_is_as_wide_at_the_box_as_inside() {
+    let (radius, voxels) = (0.61, 60);
+    let voxel = 2.0 / f64::from(voxels);
+    let samples = open_samples(OPEN, voxels, cylinder(radius, voxel));
+    let samples = smoothed(samples, &[], OPEN, 4).unwrap();
+    let open = dual(&samples, &Silent).unwrap().without_caps(OPEN, 0.0);
+    let off = |vertex: &DVec3| (vertex.truncate().length() - radius).abs() / voxel;
+    assert!(open.vertices.iter().map(off).fold(0.0, f64::max) < 0.1);
+    let surface = open.surface(Label(1));
+    let edges = surface.open_edges();
+    assert!(!edges.is_empty());
+    let mut ends = [0.0; 2];
+    for [start, end] in edges.iter().map(|edge| edge.map(|v| surface.vertices[v as usize])) {
+        assert!(start.z == end.z && (start.z == -0.73 || start.z == 0.9), "{start} {end}");
+        ends[usize::from(start.z > 0.0)] += start.distance(end);
+    }
+    for length in ends {
+        assert!((length / (2.0 * PI * radius) - 1.0).abs() < 2e-3, "{length}");
+    }
+}
+
+#[test]
+fn two_materials_fill_an_open_box_to_its_corners() {
+    let samples = open_samples(OPEN, 21, |point| {
+        let first = (0.13 - point.x - 0.3 * point.y).clamp(-1.0, 1.0) as f32;
+        vec![first, -first]
+    });
+    let mesh = dual(&samples, &Silent).unwrap();
+    assert_sound(&mesh);
+    let volumes = [1, 2].map(|label| mesh.surface(Label(label)).volume());
+    assert!((volumes[0] + volumes[1] - OPEN.volume()).abs() < 1e-12, "{volumes:?}");
+    // The plane x = 0.13 − 0.3 y divides the box's sides 2 at 0.13 on average.
+    assert!((volumes[0] / OPEN.volume() - 1.13 / 2.0).abs() < 2e-3, "{volumes:?}");
+    let between = mesh.without_caps(OPEN, 0.0);
+    assert!(between.sides.iter().all(|&sides| sides == [Label(1), Label(2)]));
+    // In the last half voxel it goes straight to the box: 0.1 · 0.044 of 2 · 1.044
+    // are lost.
+    let area = 2.0 * 1.09f64.sqrt() * 1.63;
+    assert!((between.surface(Label(1)).area() / area - 1.0).abs() < 3e-3);
+}
+
+#[test]
+fn random_labels_in_an_open_box_are_edge_manifold() {
+    for seed in 0..100 {
+        let mut random = Random(seed);
+        let count = 1 + seed % 4;
+        let size = DVec3::new(9.0, 4.0 + (seed % 3) as f64 / 3.0, 3.3);
+        let bounds = Bounds { min: DVec3::ZERO, max: size };
+        let certain = |own: bool, certainty: f32| if own { certainty } else { -1.0 };
+        let values: Vec<Vec<f32>> = (0..9 * 5 * 4)
+            .map(|_| {
+                let (label, certainty) = (random.next() % (count + 1), 0.05 + 0.95 * random.unit());
+                (1..=count).map(|own| certain(own == label, certainty)).collect()
+            })
+            .collect();
+        let samples = open_samples(bounds, 9, |point| {
+            let [x, y, z] = point.to_array().map(|at| at as usize);
+            values[((x * 5 + y) * 4 + z).min(values.len() - 1)].clone()
+        });
+        let mesh = dual(&samples, &Silent).unwrap();
+        assert_sound(&mesh);
+        let open = mesh.without_caps(bounds, 0.0);
+        for &label in &open.labels() {
+            let surface = open.surface(label);
+            for edge in surface.open_edges() {
+                let ends = edge.map(|vertex| surface.vertices[vertex as usize]);
+                assert!(bounds.on_one_face(&ends, 0.0), "seed {seed}: {ends:?}");
+            }
+        }
+    }
 }
