@@ -69,9 +69,9 @@ fn flat(height: f64, loops: &[String]) -> String {
 /// Two cylinders of radius 1 around x = ±2, with noise on the middle section.
 fn cylinders(noise: &[String]) -> Check {
     let plain = |height: f64| vec![circle(height, -2.0, 1.0), circle(height, 2.0, 1.0)];
-    let mut middle = plain(2.0);
+    let mut middle = plain(0.7);
     middle.extend_from_slice(noise);
-    reconstruct(&[flat(0.0, &plain(0.0)), flat(2.0, &middle), flat(4.0, &plain(4.0))], 96)
+    reconstruct(&[flat(0.0, &plain(0.0)), flat(0.7, &middle), flat(1.4, &plain(1.4))], 72)
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn noise_between_two_cylinders_does_not_join_them() {
     let clean = cylinders(&[]);
     // Touches the circles in the points x = ±1, which are corners of theirs.
     let patch = [[-1.0, 0.0], [0.0, -0.5], [1.0, 0.0], [0.0, 0.5]];
-    let noisy = cylinders(&[polygon(r#""unknown""#, 2.0, &patch)]);
+    let noisy = cylinders(&[polygon(r#""unknown""#, 0.7, &patch)]);
     let [clean, noisy] = [&clean, &noisy].map(|check| facts(check, 1));
     for facts in [clean, noisy] {
         assert_eq!((facts.components, facts.genus), (2, 0), "{facts:?}");
@@ -108,7 +108,7 @@ fn a_few_spots_do_not_outweigh_the_neighbouring_sections() {
         vertices.join(", "),
         edges.join(", ")
     );
-    let check = reconstruct(&[wide(0.0), middle, wide(2.0)], 96);
+    let check = reconstruct(&[wide(0.0), middle, wide(2.0)], 72);
     let (first, second) = (facts(&check, 1), facts(&check, 2));
     assert_eq!(second.components, 4, "{second:?}");
     assert_eq!(first.components - first.cavities, 1, "{first:?}");

@@ -19,7 +19,7 @@ use crate::section::{COVERED, Edge, Rectangle, Section};
 /// How many cosines: sums of many look alike everywhere.
 const WAVES: usize = 32;
 /// Lattice cells in a wavelength.
-const CELLS: f64 = 12.0;
+const CELLS: f64 = 8.0;
 /// Rounds of bisection: to 1e-12 of the field's range.
 const ROUNDS: usize = 40;
 /// How near to a node the border may cross the lattice's edges, relative to

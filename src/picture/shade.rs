@@ -38,7 +38,7 @@ pub fn stroke(albedo: Vec3) -> Vec3 {
 
 /// The colour of the border of what is unknown: a light neutral grey.
 pub fn unknown_stroke() -> Vec3 {
-    linear([168, 168, 170])
+    linear([188, 188, 190])
 }
 
 /// How much a contour on glass hides.

@@ -1,0 +1,66 @@
+//! The examples of the documentation: what they show is what they are for.
+
+use std::path::Path;
+
+use transect::change::Change;
+use transect::check::{Check, Options as CheckOptions, check};
+use transect::grid::lattice::Resolution;
+use transect::io::read_all;
+use transect::mask::{Blobs, Mask, mask};
+use transect::model::{Model, Options};
+use transect::progress::Silent;
+use transect::section::{Rules, Sections};
+use transect::stage::Stages;
+
+fn read(names: &[&str]) -> Sections {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let paths: Vec<_> = names.iter().map(|name| folder.join(name)).collect();
+    let strict = Rules { strict: true, ..Rules::default() };
+    read_all(&paths, &strict).expect("the examples raise no doubts")
+}
+
+/// `spacing` is that of the triangulation of unknown regions.
+fn reconstruct(sections: Sections, voxels: u32, spacing: Option<f64>) -> Check {
+    let resolution = Resolution::Voxels(voxels);
+    let mut model = Model::new(Options { resolution, spacing, ..Options::default() });
+    let mut stages = Stages::default();
+    let change = Change::Add(sections);
+    model.apply(change, &Rules::default(), &mut stages, &Silent).expect("it reconstructs");
+    let derived = model.derived().expect("something was derived");
+    let options = CheckOptions { self_intersections: false };
+    let lattice = &derived.samples.lattice;
+    let check = check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
+        .expect("it can be checked");
+    assert!(check.is_sound());
+    check
+}
+
+/// For every label the pieces that it has, cavities not counted.
+fn pieces(check: &Check) -> Vec<usize> {
+    check.labels.iter().map(|label| label.facts.components - label.facts.cavities).collect()
+}
+
+#[test]
+fn a_patch_joins_two_stripes() {
+    let apart = reconstruct(read(&["stripes.json"]), 64, None);
+    assert_eq!(pieces(&apart), [2]);
+    let joined = reconstruct(read(&["stripes.json", "patch.json"]), 64, None);
+    assert_eq!(pieces(&joined), [1]);
+    assert_eq!(joined.labels[0].facts.genus, 0);
+}
+
+#[test]
+fn the_phantom_keeps_its_organs() {
+    // The kidneys are two.
+    let clean = reconstruct(read(&["phantom.json"]), 64, None);
+    assert_eq!(pieces(&clean), [1, 1, 1, 1, 2, 1, 1]);
+}
+
+#[test]
+fn a_noisy_scan_keeps_its_organs() {
+    let blobs = Some(Blobs { fraction: 0.2, size: 0.4, seed: 1 });
+    let noisy = mask(read(&["phantom.json"]), &Mask { blobs, frame: None }).expect("a mask");
+    let noisy = reconstruct(noisy, 48, Some(20.0));
+    assert_eq!(pieces(&noisy), [1, 1, 1, 1, 2, 1, 1]);
+    assert!(noisy.dice.mean > 0.95, "{}", noisy.dice.mean);
+}
