@@ -1,5 +1,4 @@
-// Constrained Delaunay triangulation of polygonal regions, refined, by CGAL.
-// No CGAL type crosses.
+// Constrained Delaunay triangulation of polygonal regions, by CGAL. No CGAL type crosses.
 #pragma once
 
 #include <cstdint>

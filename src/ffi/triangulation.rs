@@ -1,5 +1,5 @@
 //! Triangulations of polygonal regions of a plane, from CGAL's constrained
-//! Delaunay triangulation and its refinement (`cpp/triangulation.cc`).
+//! Delaunay triangulation (`cpp/triangulation.cc`).
 
 #[cxx::bridge(namespace = "transect::triangulation")]
 mod bridge {
@@ -9,8 +9,8 @@ mod bridge {
     struct Triangulation {
         /// x and y of every vertex.
         points: Vec<f64>,
-        /// The input point that a vertex is, or `u32::MAX` for one that
-        /// refinement added.
+        /// The input point that a vertex is, or `u32::MAX` for one that was
+        /// added inside a region.
         inputs: Vec<u32>,
         /// Three vertices a triangle, counter-clockwise.
         triangles: Vec<u32>,
@@ -21,7 +21,7 @@ mod bridge {
     unsafe extern "C++" {
         include!("transect/cpp/triangulation.h");
 
-        /// Triangulates regions with edges no longer than about `spacing`.
+        /// Triangulates regions with edges of about `spacing` inside them.
         /// `segments` are pairs of indices of points (x, y); those with the
         /// same number in `regions` close around that region, which is the
         /// part of the plane that an odd number of them separates from

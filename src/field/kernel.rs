@@ -47,7 +47,7 @@ pub(super) fn weights<const N: usize, const FMA: bool>(
                 add_chains(cell, face, &feet, weights);
             }
             if unknown {
-                add_ramps(cell, face, &feet, weights);
+                add_ramps(cell, part, face, &feet, weights);
             }
         }
     }
@@ -75,11 +75,18 @@ fn add_chains<const N: usize, const FMA: bool>(
 #[inline(always)]
 fn add_ramps<const N: usize, const FMA: bool>(
     cell: &PackedCell,
+    part: Part,
     face: &PackedFace,
     feet: &Feet<N, FMA>,
     weights: &mut [[f32; N]],
 ) {
-    let inverse = Lanes::<N, FMA>(feet.gamma).reciprocal();
+    let mut inverse = Lanes::<N, FMA>(feet.gamma).reciprocal();
+    if part != Part::All {
+        // Two unknown regions that meet on a line would see nothing there but
+        // each other.
+        inverse = Lanes::<N, FMA>(feet.gamma)
+            .map(|gamma| if gamma > cell.clearance { 1.0 / gamma } else { 0.0 });
+    }
     for ramp in &cell.ramps[face.first_ramp as usize..face.end_ramp as usize] {
         let [constant, along, across] = feet.ramp_terms(ramp).map(|term| term * inverse);
         for slope in &cell.slopes[ramp.first_slope as usize..ramp.end_slope as usize] {

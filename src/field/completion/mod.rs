@@ -33,6 +33,7 @@ use crate::error::{Error, Result};
 use crate::label::Label;
 
 mod groups;
+mod outline;
 mod plane;
 mod sweep;
 

@@ -1,19 +1,18 @@
 //! The unknown regions of one plane: their triangulation, and what is known
 //! around them.
 
-use std::collections::HashMap;
-
 use glam::{DVec2, DVec3};
 
+use super::outline::Outlines;
 use crate::arrangement::{Arrangement, FaceEdge, components};
 use crate::error::{Error, Result};
 use crate::ffi::triangulation::{self as ffi, Triangulation};
 use crate::label::Label;
 use crate::plane::Plane;
 
-/// How far the middle of a border's piece may lie off the contour that it is a
-/// piece of, relative to the size of the box: rounding only.
-const ON_CONTOUR: f64 = 1e-10;
+/// How far the middle of a piece may lie off the line that it is a piece of,
+/// relative to the size of the box: rounding only.
+const ON_LINE: f64 = 1e-10;
 
 /// The triangulated unknown regions of a plane.
 #[derive(Debug, Default)]
@@ -42,8 +41,9 @@ struct Border {
     region: u32,
 }
 
-/// A contour as the arrangement has it, in the plane's frame.
-struct Contour {
+/// The edge of a known region on its face's border, the region on the right,
+/// in the plane's frame: beyond the line there may be an unknown one.
+struct Known {
     start: DVec2,
     end: DVec2,
     label: Label,
@@ -67,110 +67,57 @@ impl Frame {
     }
 }
 
-/// What is handed to the triangulation.
-#[derive(Default)]
-struct Input {
-    points: Vec<DVec3>,
-    numbers: HashMap<[u64; 3], u32>,
-    segments: Vec<u32>,
-    faces: Vec<u32>,
-}
-
-impl Input {
-    fn number(&mut self, point: DVec3) -> u32 {
-        let next = self.points.len() as u32;
-        // −0 and 0 are the same point.
-        let key = (point + 0.0).to_array().map(f64::to_bits);
-        let number = *self.numbers.entry(key).or_insert(next);
-        if number == next {
-            self.points.push(point);
-        }
-        number
-    }
-
-    fn add(&mut self, face: u32, edge: &FaceEdge) {
-        let unknown = [Some(edge.left), edge.right].map(|label| label == Some(Label::UNKNOWN));
-        if unknown[0] != unknown[1] {
-            let ends = [edge.start, edge.end].map(|point| self.number(point));
-            self.segments.extend(ends);
-            self.faces.push(face);
-        }
-    }
-}
-
 impl UnknownPlane {
     /// Triangulates the unknown regions on some faces of a plane, with edges
     /// of about `spacing` (world units).
     pub fn new(arrangement: &Arrangement, faces: &[u32], spacing: f64) -> Result<Self> {
-        let face = |&index: &u32| (index, &arrangement.faces()[index as usize]);
-        let mut input = Input::default();
-        for (index, face) in faces.iter().map(face) {
-            face.edges.iter().for_each(|edge| input.add(index, edge));
-        }
-        let Some(&origin) = input.points.first() else { return Ok(Self::default()) };
+        let outlines = Outlines::new(arrangement, faces, spacing);
+        let Some(&origin) = outlines.points.first() else { return Ok(Self::default()) };
         let plane = arrangement.planes()[arrangement.faces()[faces[0] as usize].plane as usize];
         let frame = Frame { origin, tangents: Plane::tangents(&plane) };
         let flat: Vec<f64> =
-            input.points.iter().flat_map(|&point| frame.flatten(point).to_array()).collect();
-        let made = ffi::triangulate(&flat, &input.segments, &input.faces, spacing)
+            outlines.points.iter().flat_map(|&point| frame.flatten(point).to_array()).collect();
+        let segments = outlines.segments.as_flattened();
+        let made = ffi::triangulate(&flat, segments, &outlines.faces, spacing)
             .map_err(|exception| Error::library("completion", &exception))?;
-        let contours = faces
+        let known = faces
             .iter()
             .flat_map(|&index| arrangement.faces()[index as usize].edges.iter())
-            .filter_map(|edge| Contour::of(edge, &frame))
+            .filter_map(|edge| Known::beside(edge, &frame))
             .collect::<Vec<_>>();
-        let reach = ON_CONTOUR * arrangement.bounds().diagonal();
-        Ok(Self::assemble(&input, &frame, &made, &contours, reach))
+        let reach = ON_LINE * arrangement.bounds().diagonal();
+        Ok(Self::assemble(&outlines, &frame, &made, &known, reach))
     }
 
     fn assemble(
-        input: &Input,
+        outlines: &Outlines,
         frame: &Frame,
         made: &Triangulation,
-        contours: &[Contour],
+        known: &[Known],
         reach: f64,
     ) -> Self {
         let flat: Vec<DVec2> = made.points.chunks_exact(2).map(DVec2::from_slice).collect();
-        let given = |(&input_point, flat): (&u32, &DVec2)| {
-            let known = input.points.get(input_point as usize);
-            known.copied().unwrap_or_else(|| frame.lift(flat.to_array()))
+        let given = |(&input, flat): (&u32, &DVec2)| {
+            let point = outlines.points.get(input as usize);
+            point.copied().unwrap_or_else(|| frame.lift(flat.to_array()))
         };
         let points = made.inputs.iter().zip(&flat).map(given).collect();
         let corners = made.triangles.chunks_exact(3).map(|three| [three[0], three[1], three[2]]);
         let triangles: Vec<(u32, [u32; 3])> = made.regions.iter().copied().zip(corners).collect();
-        let (regions, rim) = connected(&triangles);
-        let mut plane =
-            Self { points, triangles, regions: vec![0; flat.len()], borders: vec![], flat };
-        for ((_, corners), &region) in plane.triangles.iter().zip(&regions) {
-            corners.iter().for_each(|&corner| plane.regions[corner as usize] = region);
+        let (parts, rim) = connected(&triangles);
+        let mut regions = vec![0; flat.len()];
+        for ((_, corners), &part) in triangles.iter().zip(&parts) {
+            corners.iter().for_each(|&corner| regions[corner as usize] = part);
         }
-        plane.borders = plane.labelled(&rim, &regions, contours, reach);
-        plane
-    }
-
-    /// The pieces of the rim that lie on contours.
-    fn labelled(
-        &self,
-        rim: &[(usize, [u32; 2])],
-        regions: &[u32],
-        contours: &[Contour],
-        reach: f64,
-    ) -> Vec<Border> {
-        let bits = |point: DVec2| (point + 0.0).to_array().map(f64::to_bits);
-        let whole: HashMap<_, _> = contours
-            .iter()
-            .map(|contour| ([bits(contour.start), bits(contour.end)], contour.label))
-            .collect();
-        let label = |[start, end]: [DVec2; 2]| {
-            let found = whole.get(&[bits(start), bits(end)]).copied();
-            found.or_else(|| nearest(contours, start.midpoint(end), end - start, reach))
+        let border = |&(triangle, [start, end]): &(usize, [u32; 2])| {
+            let segment = [start, end].map(|point| made.inputs[point as usize]);
+            let own = outlines.labels.get(&segment).copied();
+            let [p, q] = [start, end].map(|point| flat[point as usize]);
+            let label = own.or_else(|| beyond(known, p.midpoint(q), q - p, reach))?;
+            Some(Border { start, end, label, region: parts[triangle] })
         };
-        rim.iter()
-            .filter_map(|&(triangle, [start, end])| {
-                let label = label([start, end].map(|point| self.flat[point as usize]))?;
-                Some(Border { start, end, label, region: regions[triangle] })
-            })
-            .collect()
+        let borders = rim.iter().filter_map(border).collect();
+        Self { points, triangles, regions, borders, flat }
     }
 
     /// For every point on a border to known regions the share that each label
@@ -221,17 +168,12 @@ fn seen(p: DVec2, q: DVec2) -> f64 {
     (sine(q) - sine(p)) * length / cross
 }
 
-impl Contour {
-    /// The known side of an edge, turned to the right: of a contour in a face
-    /// or, on a line where another plane crosses, of the face beyond it.
-    fn of(edge: &FaceEdge, frame: &Frame) -> Option<Self> {
-        let [start, end] = [edge.start, edge.end].map(|point| frame.flatten(point));
-        let (unknown, turned) = (Label::UNKNOWN, Self { start: end, end: start, label: edge.left });
-        match edge.right {
-            Some(label) if edge.left == unknown => Some(Self { start, end, label }),
-            Some(right) => (right == unknown).then_some(turned),
-            None => (edge.left != unknown).then_some(turned),
-        }
+impl Known {
+    /// A known region's edge on its face's border, turned round.
+    fn beside(edge: &FaceEdge, frame: &Frame) -> Option<Self> {
+        let border = edge.right.is_none() && edge.left != Label::UNKNOWN;
+        let [start, end] = [edge.end, edge.start].map(|point| frame.flatten(point));
+        border.then_some(Self { start, end, label: edge.left })
     }
 
     /// The squared distance of a point.
@@ -242,12 +184,12 @@ impl Contour {
     }
 }
 
-/// The label of the contour that a point lies on and that runs the same way.
-fn nearest(contours: &[Contour], point: DVec2, along: DVec2, reach: f64) -> Option<Label> {
-    contours
+/// What is known beyond a face's border, at a point on it, to the right.
+fn beyond(known: &[Known], point: DVec2, along: DVec2, reach: f64) -> Option<Label> {
+    known
         .iter()
-        .filter(|contour| (contour.end - contour.start).dot(along) > 0.0)
-        .map(|contour| (contour.distance_squared(point), contour.label))
+        .filter(|edge| (edge.end - edge.start).dot(along) > 0.0)
+        .map(|edge| (edge.distance_squared(point), edge.label))
         .filter(|(distance, _)| *distance <= reach * reach)
         .min_by(|one, other| one.0.total_cmp(&other.0))
         .map(|(_, label)| label)
