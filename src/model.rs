@@ -13,8 +13,9 @@ use crate::grid::samples::{Lattice, Samples};
 use crate::grid::sampling::{Margin, sample};
 use crate::grid::smoothing::{SMOOTHING_MARGIN, smoothed};
 use crate::label::Label;
-use crate::mesh::Mesh;
+use crate::mesh::delaunay::{self, delaunay};
 use crate::mesh::dual::dual;
+use crate::mesh::Mesh;
 use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::{Rules, Sections};
@@ -37,11 +38,28 @@ pub struct Options {
     pub smooth: u32,
     /// Where the field is evaluated.
     pub device: Device,
+    /// How the surface is made from the samples.
+    pub mesher: Mesher,
+}
+
+/// How the surface is made from the samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Mesher {
+    /// Dual contouring.
+    #[default]
+    Dual,
+    /// Delaunay refinement.
+    Delaunay(delaunay::Options),
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { resolution: Resolution::Voxels(256), smooth: 4, device: Device::Auto }
+        Self {
+            resolution: Resolution::Voxels(256),
+            smooth: 4,
+            device: Device::Auto,
+            mesher: Mesher::Dual,
+        }
     }
 }
 
@@ -158,7 +176,10 @@ fn derive(
         smoothed(samples, all, bounds, options.smooth)
     })?;
     let mesh = stages.run("mesh", |counts| {
-        let mesh = dual(&samples, progress)?;
+        let mesh = match &options.mesher {
+            Mesher::Dual => dual(&samples, progress)?,
+            Mesher::Delaunay(limits) => delaunay(&samples, limits, progress)?,
+        };
         counts.insert("vertices".into(), mesh.vertices.len() as u64);
         counts.insert("triangles".into(), mesh.triangles.len() as u64);
         Ok(mesh)

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::error::Error;
 use crate::field::Device;
+use crate::mesh::delaunay;
+use crate::model::Mesher;
 use crate::section::{Overlap, Rules};
 
 /// Volumes and surfaces from labelled planar cross-sections of any orientation.
@@ -49,9 +52,8 @@ pub struct ReconstructArguments {
     #[arg(long, value_name = "STEPS", default_value_t = 4,
           value_parser = clap::value_parser!(u32).range(..=1000))]
     pub smooth: u32,
-    /// How the surface is made from the grid: dual contouring
-    #[arg(long, value_enum, default_value_t = MesherName::Dual)]
-    pub mesher: MesherName,
+    #[command(flatten)]
+    pub meshing: MeshingArguments,
     /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too
     #[arg(long, value_enum, default_value_t = DeviceName::Auto)]
     pub device: DeviceName,
@@ -74,6 +76,42 @@ pub struct ReconstructArguments {
     /// No progress, no warnings, no table
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct MeshingArguments {
+    /// How the surface is made from the grid: dual contouring, or Delaunay refinement, which is slower and makes well-shaped triangles
+    #[arg(long, value_enum, default_value_t = MesherName::Dual)]
+    pub mesher: MesherName,
+    /// With the delaunay mesher: the smallest angle of triangles, except along junction curves [default: 30]
+    #[arg(long, value_name = "DEG", value_parser = angle)]
+    pub facet_angle: Option<f64>,
+    /// With the delaunay mesher: the largest circumradius of triangles, in voxels [default: 2]
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub facet_size: Option<f64>,
+    /// With the delaunay mesher: how far triangles may be from the surface, in voxels [default: 0.2]
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub facet_distance: Option<f64>,
+}
+
+impl MeshingArguments {
+    pub fn mesher(&self) -> crate::error::Result<Mesher> {
+        let own = [self.facet_angle, self.facet_size, self.facet_distance];
+        match self.mesher {
+            MesherName::Dual if own.iter().any(Option::is_some) => Err(Error::Option(
+                "--facet-angle, --facet-size and --facet-distance need --mesher delaunay".to_owned(),
+            )),
+            MesherName::Dual => Ok(Mesher::Dual),
+            MesherName::Delaunay => {
+                let default = delaunay::Options::default();
+                Ok(Mesher::Delaunay(delaunay::Options {
+                    angle: self.facet_angle.unwrap_or(default.angle),
+                    size: self.facet_size.unwrap_or(default.size),
+                    distance: self.facet_distance.unwrap_or(default.distance),
+                }))
+            }
+        }
+    }
 }
 
 #[derive(Debug, Clone, Args)]
@@ -165,6 +203,7 @@ pub enum MethodName {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MesherName {
     Dual,
+    Delaunay,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -203,6 +242,13 @@ fn positive(text: &str) -> Result<f64, String> {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("a positive number is needed".to_owned()),
     }
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    positive(text)
+        .ok()
+        .filter(|&angle| angle <= 30.0)
+        .ok_or_else(|| "an angle above 0 and up to 30 degrees is needed".to_owned())
 }
 
 fn four_numbers(text: &str) -> Result<[f64; 4], String> {

@@ -27,6 +27,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let grids =
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
     let paths = arguments.output.iter().chain(&arguments.report).map(PathBuf::as_path);
+    let options = options(arguments)?;
     let mut outputs = Outputs::reserve(paths)?;
     super::limit_threads(arguments.threads)?;
 
@@ -42,7 +43,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     if !arguments.quiet {
         print_warnings(&sections);
     }
-    let mut model = Model::new(options(arguments));
+    let mut model = Model::new(options);
     model.apply(Change::Add(sections), &rules, &mut stages, watcher.progress())?;
     let derived = model
         .derived()
@@ -74,13 +75,18 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     Ok(())
 }
 
-fn options(arguments: &ReconstructArguments) -> Options {
+fn options(arguments: &ReconstructArguments) -> Result<Options> {
     let resolution = match (arguments.voxel_size, arguments.resolution) {
         (Some(size), _) => Resolution::VoxelSize(size),
         (None, Some(voxels)) => Resolution::Voxels(voxels),
         (None, None) => Options::default().resolution,
     };
-    Options { resolution, smooth: arguments.smooth, device: arguments.device.into() }
+    Ok(Options {
+        resolution,
+        smooth: arguments.smooth,
+        device: arguments.device.into(),
+        mesher: arguments.meshing.mesher()?,
+    })
 }
 
 /// The kinds of files that a reconstruction is written to.

@@ -1,6 +1,7 @@
 //! Triangle networks: every triangle knows the label on its two sides.
 
 pub mod cut;
+pub mod delaunay;
 pub mod dual;
 pub mod facts;
 pub mod nearest;

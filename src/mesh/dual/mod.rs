@@ -40,7 +40,7 @@
 
 mod block;
 mod cell;
-mod patch;
+pub(super) mod patch;
 mod polygon;
 mod relax;
 mod triangles;
