@@ -1,28 +1,72 @@
-//! Delaunay refinement of labelled samples, for any number of labels.
+//! Delaunay refinement of labelled samples, for any number of labels
+//! (Boissonnat & Oudot; Rineau & Yvinec), by CGAL's Mesh_3.
+//!
+//! The samples say which label is where ([`oracle`]). Every tetrahedron of a
+//! Delaunay triangulation has the label of its circumcentre, and the interface
+//! is made of the facets between tetrahedra of different labels. A facet that
+//! is too large, too far from the surface or has too small an angle is refined
+//! by a point where its dual edge crosses the surface. Refinement starts from
+//! points on every piece of the dual mesh ([`seeds`]), so that none is missed;
+//! the curves where three labels meet are there from the start ([`curves`]),
+//! as chains of edges inside balls that nothing else may enter.
+//!
+//! # Why every label's surface is closed, oriented and edge-manifold
+//!
+//! The tetrahedra, with everything around them outside, fill space without
+//! overlap. Fix a label l: its boundary consists of the facets with l on one
+//! side only. Around an edge l and not-l alternate, so it has an even number
+//! of them, and as many that lead into l as lead out of it. More than two are
+//! there only where l comes up more than once around the edge; what refinement
+//! leaves of such edges is split ([`pinches`]). Nothing crosses anything,
+//! since no two tetrahedra do.
+//!
+//! # Why it comes to an end
+//!
+//! A facet smaller than a hundredth of a voxel is never refined, so that no
+//! point is ever nearer than that to another one; and there is a limit to the
+//! number of points.
+//!
+//! Refinement runs on one thread: CGAL's parallel variant gives another mesh
+//! on every run.
+
 mod curves;
 mod oracle;
+mod pinches;
 mod seeds;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
+use super::nearest::flat;
 use super::{Mesh, back_and_front};
 use crate::error::{Error, Result};
 use crate::ffi::delaunay::{self as ffi, Criteria, Facets, Features};
-use crate::grid::samples::Samples;
+use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
 use crate::progress::Progress;
 use oracle::Oracle;
 
+/// How far apart seeds are, in facet sizes.
+const SEED_SPACING: f64 = 1.0;
+/// The longest edge along a curve, in facet sizes.
+const CURVE_EDGE: f64 = 1.0;
+/// Facets smaller than this are not refined, in voxels.
+const SMALLEST: f64 = 0.01;
+/// How exactly points are on the surface, in voxels.
+const PRECISION: f64 = 1e-4;
+/// How many times the vertices that are expected there may be.
+const PATIENCE: f64 = 20.0;
+
 /// What the triangles must be like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// The smallest angle, in degrees, save at junction curves; above 30,
-    /// refinement need not come to an end by itself.
+    /// The smallest angle, in degrees, save at junction curves. Up to 30;
+    /// beyond, refinement would not come to an end by itself.
     pub angle: f64,
-    /// The largest radius of a ball around a triangle that is centred on the
-    /// surface, in voxels.
+    /// The largest radius of a ball through a triangle's corners that is
+    /// centred on the surface, in voxels.
     pub size: f64,
-    /// How far a triangle may be from the surface, in voxels.
+    /// The largest distance of that centre from the triangle's, in voxels.
     pub distance: f64,
 }
 
@@ -32,42 +76,92 @@ impl Default for Options {
     }
 }
 
-/// x
+/// The network of interfaces between the labels of the samples, in world
+/// units. The same for any number of threads.
+///
+/// # Errors
+/// [`Error::Option`] when the options ask for more triangles than there can
+/// be.
 pub fn delaunay(samples: &Samples, options: &Options, progress: &dyn Progress) -> Result<Mesh> {
-    let e = |n: &str, d: f64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
-    let t = std::time::Instant::now();
     let mut dual = super::dual(samples, progress)?;
     if dual.triangles.is_empty() {
         return Ok(dual);
     }
-    eprintln!("dual {:?}", t.elapsed());
     progress.begin("refinement", 0);
-    let oracle = Oracle::new(samples, &dual)?;
-    eprintln!("oracle {:?}", t.elapsed());
+    let oracle = Oracle::new(samples, &dual);
     let lattice = samples.lattice;
-    dual.vertices.iter_mut().for_each(|point| *point = (*point - lattice.origin) / lattice.voxel);
-    let seeds = seeds::seeds(&dual, &oracle, e("SEED", 1.0) * options.size);
-    let curves = curves::curves(&dual);
-    eprintln!("{} seeds {} curves {} curve points {:?}", seeds.len(), curves.len(), curves.iter().map(Vec::len).sum::<usize>(), t.elapsed());
-    let seed_points = super::nearest::flat(&seeds.iter().map(|s| s.point).collect::<Vec<_>>());
-    let seed_sides: Vec<u32> = seeds.iter().flat_map(|s| s.sides.map(|l| l.0)).collect();
-    let curve_points = super::nearest::flat(&curves.concat());
-    let mut end = 0;
-    let curve_ends: Vec<u32> = curves.iter().map(|c| { end += c.len() as u32; end }).collect();
-    let label_at = |p: [f64; 3]| oracle.label_at(p).0;
-    let d = lattice.dims.map(|n| f64::from(n - 1));
-    let criteria = Criteria { angle: options.angle, size: options.size, distance: options.distance, edge: e("EDGE", 1.0) * options.size, smallest: e("SMALL", 0.1), error: 1e-3, most_vertices: 10_000_000 };
-    let facets = ffi::refine(&ffi::Oracle(&label_at), &[0.0, 0.0, 0.0, d[0], d[1], d[2]],
-        &Features { seeds: &seed_points, seed_sides: &seed_sides, curve_points: &curve_points, curve_ends: &curve_ends }, &criteria)
-        .map_err(|x| Error::library("mesh", &x))?;
-    eprintln!("refined {:?} rings {}", t.elapsed(), facets.rings.len());
-    let mut mesh = Mesh::default();
-    mesh.vertices = facets.points.chunks_exact(3).map(|p| lattice.origin + lattice.voxel * DVec3::from_slice(p)).collect();
-    for (t, s) in facets.triangles.chunks_exact(3).zip(facets.sides.chunks_exact(2)) {
-        let own = [Label(s[0]), Label(s[1])];
-        let sides = back_and_front(own[0], own[1]);
-        mesh.sides.push(sides);
-        mesh.triangles.push(if sides == own { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] });
-    }
+    dual.vertices
+        .par_iter_mut()
+        .for_each(|point| *point = (*point - lattice.origin) / lattice.voxel);
+    let facets = refined(&dual, &oracle, lattice.dims, options)?;
+    let mut mesh = network(&facets, &lattice);
+    pinches::split(&mut mesh, &facets.rings);
     Ok(mesh)
+}
+
+/// Everything in lattice units.
+fn refined(dual: &Mesh, oracle: &Oracle, dims: [i32; 3], options: &Options) -> Result<Facets> {
+    let seeds = seeds::seeds(dual, oracle, SEED_SPACING * options.size);
+    let curves = curves::curves(dual);
+    let seed_points: Vec<DVec3> = seeds.iter().map(|seed| seed.point).collect();
+    let seed_sides: Vec<u32> = seeds.iter().flat_map(|seed| seed.sides.map(|side| side.0)).collect();
+    let ends = curves.iter().scan(0, |end, curve| {
+        *end += curve.len() as u32;
+        Some(*end)
+    });
+    let features = Features {
+        seeds: &flat(&seed_points),
+        seed_sides: &seed_sides,
+        curve_points: &flat(&curves.concat()),
+        curve_ends: &ends.collect::<Vec<_>>(),
+    };
+    let criteria = criteria(dual, options)?;
+    let label_at = |point: [f64; 3]| oracle.label_at(point).0;
+    let [x, y, z] = dims.map(|nodes| f64::from(nodes - 1));
+    ffi::refine(&ffi::Oracle(&label_at), &[0.0, 0.0, 0.0, x, y, z], &features, &criteria)
+        .map_err(|exception| Error::library("delaunay mesher", &exception))
+}
+
+/// # Errors
+/// When more vertices are to be expected than can be numbered.
+fn criteria(dual: &Mesh, options: &Options) -> Result<Criteria> {
+    let area: f64 = (0..dual.triangles.len())
+        .map(|triangle| dual.corners(triangle))
+        .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
+        .sum();
+    // Each vertex has two triangles of at most this radius; half of that is
+    // usual. The voxels' own detail asks for some at any size.
+    let spacing = options.size.min(2.0 * options.distance.sqrt()).min(1.0);
+    let most = PATIENCE * (1000.0 + area / (spacing * spacing));
+    if most > f64::from(u32::MAX) {
+        return Err(Error::Option(format!(
+            "triangles of {} voxels that are nowhere further than {} from the surface would be \
+             too many: use a larger --facet-size or --facet-distance",
+            options.size, options.distance
+        )));
+    }
+    Ok(Criteria {
+        angle: options.angle,
+        size: options.size,
+        distance: options.distance,
+        edge: CURVE_EDGE * options.size,
+        smallest: SMALLEST,
+        error: PRECISION,
+        most_vertices: most as usize,
+    })
+}
+
+/// The facets in world units, each with its front at the right side.
+fn network(facets: &Facets, lattice: &Lattice) -> Mesh {
+    let point = |point: &[f64]| lattice.origin + lattice.voxel * DVec3::from_slice(point);
+    let vertices = facets.points.chunks_exact(3).map(point).collect();
+    let (triangles, sides) = (facets.triangles.as_chunks::<3>().0.iter())
+        .zip(facets.sides.as_chunks::<2>().0)
+        .map(|(&[a, b, c], &[back, front])| {
+            let own = [Label(back), Label(front)];
+            let sides = back_and_front(own[0], own[1]);
+            (if sides == own { [a, b, c] } else { [a, c, b] }, sides)
+        })
+        .unzip();
+    Mesh { vertices, triangles, sides }
 }

@@ -10,15 +10,13 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::grid::distance::{HALF_WIDTH, NarrowBand, narrow_band};
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, Samples};
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::dual::patch::{Leaves, Patch};
-use crate::mesh::nearest::Nearest;
 
 
 /// The label of every point. Nothing in it changes once it is made.
@@ -51,18 +49,18 @@ struct Part {
 
 impl Oracle {
     /// The oracle of samples and of the dual mesh made from them.
-    pub fn new(samples: &Samples, dual: &Mesh) -> Result<Self> {
+    pub fn new(samples: &Samples, dual: &Mesh) -> Self {
         let labels = samples.leaves.par_iter().map(Leaf::labels).collect();
         let leaves = Leaves::new(samples, labels);
-        let borders = Borders::new(dual, samples.lattice)?;
+        let borders = Borders::new(dual, &samples.lattice);
         let blocks = (0..leaves.count())
             .into_par_iter()
             .map(|place| match Patch::gather(&leaves, leaves.at(place)) {
-                None => Ok(Block::Uniform(samples.tiles[place])),
-                Some(patch) => Cells::new(&patch, leaves.at(place), &borders).map(Block::Mixed),
+                None => Block::Uniform(samples.tiles[place]),
+                Some(patch) => Block::Mixed(Cells::new(&patch, leaves.at(place), &borders)),
             })
-            .collect::<Result<_>>()?;
-        Ok(Self { dims: leaves.dims(), blocks })
+            .collect();
+        Self { dims: leaves.dims(), blocks }
     }
 
     /// The label at a point in lattice units; off the lattice it is outside.
@@ -85,30 +83,21 @@ impl Oracle {
 }
 
 impl Cells {
-    fn new(patch: &Patch, at: [i32; 3], borders: &Borders) -> Result<Self> {
-        let mixed: Vec<Vec<Label>> = (0..LEAF_NODES).map(|cell| cell_labels(patch, cell)).collect();
-        let mut wanted: Vec<(Label, [usize; 3])> = (0..LEAF_NODES)
-            .flat_map(|cell| {
-                let corners = corners(cell);
-                mixed[cell].iter().flat_map(move |&label| corners.map(|corner| (label, corner)))
-            })
-            .collect();
-        wanted.sort_unstable();
-        wanted.dedup();
-        let distances = borders.distances(&wanted, at, patch)?;
+    fn new(patch: &Patch, at: [i32; 3], borders: &Borders) -> Self {
         let mut cells = Self { labels: vec![], first: vec![0], parts: vec![] };
-        for (cell, labels) in mixed.iter().enumerate() {
+        for cell in 0..LEAF_NODES {
             let corners = corners(cell);
-            for &label in labels {
+            for label in cell_labels(patch, cell) {
                 let distances = corners.map(|corner| {
-                    wanted.binary_search(&(label, corner)).map_or(0.0, |place| distances[place])
+                    let sign = if patch.label(corner) == label { -1.0 } else { 1.0 };
+                    sign * borders.distance(label, at, corner)
                 });
                 cells.parts.push(Part { label, distances });
             }
             cells.labels.push(patch.label(corners[0]));
             cells.first.push(cells.parts.len() as u32);
         }
-        Ok(cells)
+        cells
     }
 
     /// The label in the cell that starts at a node of the leaf, at fractions
@@ -155,52 +144,31 @@ fn cell_labels(patch: &Patch, cell: usize) -> Vec<Label> {
     labels
 }
 
-/// The boundary of every label in the dual mesh.
+/// Distances to the boundary of every label in the dual mesh.
 struct Borders {
-    lattice: Lattice,
-    of: BTreeMap<Label, Nearest>,
+    of: BTreeMap<Label, NarrowBand>,
 }
 
 impl Borders {
-    fn new(dual: &Mesh, lattice: Lattice) -> Result<Self> {
+    fn new(dual: &Mesh, lattice: &Lattice) -> Self {
         let mut labels = dual.labels();
         labels.push(Label::OUTSIDE);
-        let borders: Vec<Option<(Label, Nearest)>> = labels
-            .par_iter()
-            .map(|&label| Ok(Nearest::on_border(dual, label)?.map(|border| (label, border))))
-            .collect::<Result<_>>()?;
-        Ok(Self { lattice, of: borders.into_iter().flatten().collect() })
+        let band = |label| {
+            let triangles = dual.triangles_around(|side| side == label);
+            narrow_band(lattice, &dual.vertices, &triangles)
+        };
+        Self { of: labels.into_iter().map(|label| (label, band(label))).collect() }
     }
 
-    /// The signed distance, in voxels, of each node of a leaf to the boundary
-    /// of the label with it; sorted by label.
-    fn distances(
-        &self,
-        wanted: &[(Label, [usize; 3])],
-        at: [i32; 3],
-        patch: &Patch,
-    ) -> Result<Vec<f32>> {
-        let mut all = Vec::with_capacity(wanted.len());
-        for chunk in wanted.chunk_by(|one, other| one.0 == other.0) {
-            let label = chunk[0].0;
-            let border = self.of.get(&label).ok_or_else(|| Error::Bug {
-                stage: "mesh",
-                what: format!("label {label} has nodes but no surface"),
-            })?;
-            let points: Vec<DVec3> = chunk.iter().map(|(_, node)| self.point(at, *node)).collect();
-            let distances = border.distances(&points)?;
-            all.extend(chunk.iter().zip(distances).map(|(&(_, node), distance)| {
-                let sign = if patch.label(node) == label { -1.0 } else { 1.0 };
-                (sign * distance / self.lattice.voxel) as f32
-            }));
-        }
-        Ok(all)
-    }
-
-    fn point(&self, at: [i32; 3], node: [usize; 3]) -> DVec3 {
-        self.lattice.position(std::array::from_fn(|axis| {
-            at[axis] * LEAF_SIDE as i32 + node[axis] as i32
-        }))
+    /// The distance, in voxels, of a node to the boundary of a label; where it
+    /// is beyond the band, the band's width.
+    fn distance(&self, label: Label, at: [i32; 3], node: [usize; 3]) -> f32 {
+        let leaf = std::array::from_fn(|axis| at[axis] + (node[axis] / LEAF_SIDE) as i32);
+        let found = self.of.get(&label).and_then(|band| {
+            let place = band.leaves.binary_search(&leaf).ok()?;
+            let [x, y, z] = node.map(|offset| offset % LEAF_SIDE);
+            Some(band.values[place * LEAF_NODES + (x * LEAF_SIDE + y) * LEAF_SIDE + z].abs())
+        });
+        found.unwrap_or(HALF_WIDTH as f32)
     }
 }
-

@@ -4,51 +4,73 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, IVec3};
-use rayon::prelude::*;
 
 use super::oracle::Oracle;
 use crate::label::Label;
 use crate::mesh::Mesh;
+use crate::mesh::dual::cell::EDGE_CORNERS;
 use crate::plane::Bounds;
 
-/// A small piece has points at most this part of its size apart.
-const PART: f64 = 0.25;
-/// How far along the normal the surface is looked for, in voxels.
-const REACH: [f64; 4] = [0.125, 0.25, 0.5, 1.0];
-/// Halvings of that way.
-const HALVINGS: usize = 30;
+/// Pieces up to this size, in voxels, have points on all lattice edges that
+/// they cross.
+const SMALL: f64 = 4.0;
+/// Halvings of a lattice edge.
+const HALVINGS: usize = 20;
 
 /// A point between two labels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seed {
-    /// In the mesh's units.
+    /// In lattice units.
     pub point: DVec3,
     /// The labels on the two sides.
     pub sides: [Label; 2],
 }
 
-/// Vertices of a mesh in lattice units, no two of one piece nearer than
-/// `spacing` (less on small pieces), moved to the oracle's surface.
-pub fn seeds(mesh: &Mesh, oracle: &Oracle, spacing: f64) -> Vec<Seed> {
-    let spacings = spacings(mesh, spacing);
-    let normals = normals(mesh);
-    let found: Vec<Option<Seed>> = (mesh.vertices.par_iter().zip(&normals))
-        .map(|(&point, &(normal, sides))| on_surface(point, normal, sides?, oracle))
-        .collect();
+/// Points where lattice edges cross the oracle's surface, near vertices of
+/// the dual mesh (in lattice units) of which no two of one piece are nearer
+/// than `spacing`.
+pub fn seeds(dual: &Mesh, oracle: &Oracle, spacing: f64) -> Vec<Seed> {
+    let sides = sides(dual);
     let mut taken: HashMap<(IVec3, u32), Vec<DVec3>> = HashMap::new();
     let mut seeds = Vec::new();
-    for (seed, &(piece, spacing)) in found.into_iter().zip(&spacings) {
-        let Some(seed) = seed else { continue };
-        let bin = (seed.point / spacing).floor().as_ivec3();
+    for (vertex, (piece, size)) in pieces(dual).into_iter().enumerate() {
+        let (point, Some(sides)) = (dual.vertices[vertex], sides[vertex]) else { continue };
+        if size <= SMALL {
+            seeds.extend(crossings(point, sides, oracle));
+            continue;
+        }
+        let bin = (point / spacing).floor().as_ivec3();
         let near = |bin: IVec3| taken.get(&(bin, piece)).into_iter().flatten();
-        let is_near =
-            around(bin).flat_map(near).any(|other| other.distance(seed.point) < spacing);
-        if !is_near {
-            taken.entry((bin, piece)).or_default().push(seed.point);
-            seeds.push(seed);
+        if !around(bin).flat_map(near).any(|other| other.distance(point) < spacing) {
+            taken.entry((bin, piece)).or_default().push(point);
+            let distance = |seed: &Seed| seed.point.distance_squared(point);
+            let nearest = crossings(point, sides, oracle)
+                .min_by(|one, other| distance(one).total_cmp(&distance(other)));
+            seeds.extend(nearest);
         }
     }
     seeds
+}
+
+/// Where the edges of a point's lattice cell lead from one label to another.
+fn crossings(point: DVec3, sides: [Label; 2], oracle: &Oracle) -> impl Iterator<Item = Seed> {
+    let cell = point.floor();
+    EDGE_CORNERS.into_iter().filter_map(move |edge| {
+        let mut ends = edge.map(|corner| {
+            let offset = [corner / 4, corner / 2 % 2, corner % 2].map(|step| step as f64);
+            cell + DVec3::from_array(offset)
+        });
+        let label = |point: DVec3| oracle.label_at(point.to_array());
+        let labels = ends.map(label);
+        if labels != sides && labels != [sides[1], sides[0]] {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = ends[0].midpoint(ends[1]);
+            ends[usize::from(label(middle) != labels[0])] = middle;
+        }
+        Some(Seed { point: ends[0].midpoint(ends[1]), sides })
+    })
 }
 
 /// A bin and its neighbours.
@@ -56,25 +78,23 @@ fn around(bin: IVec3) -> impl Iterator<Item = IVec3> {
     (0..27).map(move |step| bin + IVec3::new(step / 9 - 1, step / 3 % 3 - 1, step % 3 - 1))
 }
 
-/// For every vertex the number of its piece and the spacing there.
-fn spacings(mesh: &Mesh, spacing: f64) -> Vec<(u32, f64)> {
-    let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
+/// For every vertex the number of its piece and the piece's longest side.
+fn pieces(mesh: &Mesh) -> Vec<(u32, f64)> {
+    let vertices = 0..mesh.vertices.len() as u32;
+    let mut parent: Vec<u32> = vertices.clone().collect();
     for &[a, b, c] in &mesh.triangles {
         for other in [b, c] {
             let (one, other) = (root(&mut parent, a), root(&mut parent, other));
             parent[one.max(other) as usize] = one.min(other);
         }
     }
-    let roots: Vec<u32> =
-        (0..mesh.vertices.len() as u32).map(|vertex| root(&mut parent, vertex)).collect();
+    let roots: Vec<u32> = vertices.map(|vertex| root(&mut parent, vertex)).collect();
     let mut boxes: HashMap<u32, Bounds> = HashMap::new();
     for (&root, &point) in roots.iter().zip(&mesh.vertices) {
         let whole = boxes.entry(root).or_insert(Bounds { min: point, max: point });
         *whole = Bounds { min: whole.min.min(point), max: whole.max.max(point) };
     }
-    let least = f64::MIN_POSITIVE.sqrt();
-    let own = |root: u32| (PART * boxes[&root].size().max_element()).clamp(least, spacing);
-    roots.iter().map(|&root| (root, own(root))).collect()
+    roots.iter().map(|&root| (root, boxes[&root].size().max_element())).collect()
 }
 
 fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
@@ -86,39 +106,14 @@ fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
     vertex
 }
 
-/// For every vertex the sum of its triangles' normals, and their labels where
-/// all have the same.
-fn normals(mesh: &Mesh) -> Vec<(DVec3, Option<[Label; 2]>)> {
-    let mut around = vec![(DVec3::ZERO, None, false); mesh.vertices.len()];
-    for (triangle, corners) in mesh.triangles.iter().enumerate() {
-        let [a, b, c] = mesh.corners(triangle);
+/// For every vertex the labels of its triangles, where all have the same.
+fn sides(mesh: &Mesh) -> Vec<Option<[Label; 2]>> {
+    let mut around = vec![(None, false); mesh.vertices.len()];
+    for (corners, &own) in mesh.triangles.iter().zip(&mesh.sides) {
         for &corner in corners {
-            let (normal, sides, junction) = &mut around[corner as usize];
-            *normal += (b - a).cross(c - a);
-            let own = mesh.sides[triangle];
+            let (sides, junction) = &mut around[corner as usize];
             *junction |= *sides.get_or_insert(own) != own;
         }
     }
-    around
-        .into_iter()
-        .map(|(normal, sides, junction)| (normal, sides.filter(|_| !junction)))
-        .collect()
-}
-
-/// Where the labels change from back to front on the normal through a point.
-fn on_surface(
-    point: DVec3,
-    normal: DVec3,
-    sides: [Label; 2],
-    oracle: &Oracle,
-) -> Option<Seed> {
-    let normal = normal.normalize_or_zero();
-    let label = |along: f64| oracle.label_at((point + along * normal).to_array());
-    let reach = REACH.into_iter().find(|&reach| [label(-reach), label(reach)] == sides)?;
-    let (mut low, mut high) = (-reach, reach);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if label(middle) == sides[0] { low = middle } else { high = middle }
-    }
-    Some(Seed { point: point + 0.5 * (low + high) * normal, sides })
+    around.into_iter().map(|(sides, junction)| sides.filter(|_| !junction)).collect()
 }

@@ -39,7 +39,7 @@
 //! two sheets of one label; [`Mesh::surface`] gives each its own.
 
 mod block;
-mod cell;
+pub(super) mod cell;
 pub(super) mod patch;
 mod polygon;
 mod relax;
