@@ -99,7 +99,8 @@ impl MeshingArguments {
         let own = [self.facet_angle, self.facet_size, self.facet_distance];
         match self.mesher {
             MesherName::Dual if own.iter().any(Option::is_some) => Err(Error::Option(
-                "--facet-angle, --facet-size and --facet-distance need --mesher delaunay".to_owned(),
+                "--facet-angle, --facet-size and --facet-distance need --mesher delaunay"
+                    .to_owned(),
             )),
             MesherName::Dual => Ok(Mesher::Dual),
             MesherName::Delaunay => {

@@ -104,7 +104,5 @@ pub fn refine(
 ) -> Result<Facets, cxx::Exception> {
     let Features { seeds, seed_sides, curve_points, curve_ends } = features;
     // SAFETY: C++ keeps no reference to the oracle beyond the call.
-    unsafe {
-        bridge::refine(oracle, bounds, seeds, seed_sides, curve_points, curve_ends, criteria)
-    }
+    unsafe { bridge::refine(oracle, bounds, seeds, seed_sides, curve_points, curve_ends, criteria) }
 }

@@ -42,7 +42,9 @@ impl Graph {
     fn new(mesh: &Mesh) -> Self {
         let side = |start: u32, end: u32, sides| ([start.min(end), start.max(end)], sides);
         let mut edges: Vec<([u32; 2], [Label; 2])> = (mesh.triangles.iter().zip(&mesh.sides))
-            .flat_map(|(&[a, b, c], &sides)| [side(a, b, sides), side(b, c, sides), side(c, a, sides)])
+            .flat_map(|(&[a, b, c], &sides)| {
+                [side(a, b, sides), side(b, c, sides), side(c, a, sides)]
+            })
             .collect();
         edges.par_sort_unstable();
         let mut links: BTreeMap<u32, Vec<u32>> = BTreeMap::new();

@@ -37,14 +37,15 @@ mod seeds;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::nearest::flat;
+use super::nearest::{Nearest, flat};
 use super::{Mesh, back_and_front};
 use crate::error::{Error, Result};
 use crate::ffi::delaunay::{self as ffi, Criteria, Facets, Features};
-use crate::grid::samples::{Lattice, Samples};
+use crate::grid::samples::Samples;
 use crate::label::Label;
 use crate::progress::Progress;
 use oracle::Oracle;
+use seeds::Seed;
 
 /// How far apart seeds are, in facet sizes.
 const SEED_SPACING: f64 = 1.0;
@@ -54,6 +55,11 @@ const CURVE_EDGE: f64 = 1.0;
 const SMALLEST: f64 = 0.01;
 /// How exactly points are on the surface, in voxels.
 const PRECISION: f64 = 1e-4;
+/// How far the dual mesh's vertices may be from the result, in voxels, before
+/// more seeds are set.
+const FAR: f64 = 0.5;
+/// How often refinement is begun at most.
+const ROUNDS: usize = 4;
 /// How many times the vertices that are expected there may be.
 const PATIENCE: f64 = 20.0;
 
@@ -93,33 +99,67 @@ pub fn delaunay(samples: &Samples, options: &Options, progress: &dyn Progress) -
     dual.vertices
         .par_iter_mut()
         .for_each(|point| *point = (*point - lattice.origin) / lattice.voxel);
-    let facets = refined(&dual, &oracle, lattice.dims, options)?;
-    let mut mesh = network(&facets, &lattice);
-    pinches::split(&mut mesh, &facets.rings);
+    let mut mesh = complete(&dual, &oracle, lattice.dims, options)?;
+    mesh.vertices.par_iter_mut().for_each(|point| *point = lattice.origin + lattice.voxel * *point);
     Ok(mesh)
 }
 
-/// Everything in lattice units.
-fn refined(dual: &Mesh, oracle: &Oracle, dims: [i32; 3], options: &Options) -> Result<Facets> {
-    let seeds = seeds::seeds(dual, oracle, SEED_SPACING * options.size);
+/// Refines until no vertex of the dual mesh is far: where one is, something
+/// thin was missed that needs more seeds. Everything in lattice units.
+fn complete(dual: &Mesh, oracle: &Oracle, dims: [i32; 3], options: &Options) -> Result<Mesh> {
+    let criteria = criteria(dual, options)?;
     let curves = curves::curves(dual);
-    let seed_points: Vec<DVec3> = seeds.iter().map(|seed| seed.point).collect();
-    let seed_sides: Vec<u32> = seeds.iter().flat_map(|seed| seed.sides.map(|side| side.0)).collect();
+    let mut seeds = seeds::seeds(dual, oracle, SEED_SPACING * options.size);
+    for _ in 1..ROUNDS {
+        let mesh = refined(&seeds, &curves, oracle, dims, &criteria)?;
+        let far = far_vertices(dual, &mesh)?;
+        if far.is_empty() {
+            return Ok(mesh);
+        }
+        seeds.extend(seeds::near(dual, oracle, &far));
+    }
+    refined(&seeds, &curves, oracle, dims, &criteria)
+}
+
+/// The vertices of the dual mesh that are further than [`FAR`] from a mesh.
+fn far_vertices(dual: &Mesh, mesh: &Mesh) -> Result<Vec<usize>> {
+    if mesh.triangles.is_empty() {
+        return Ok((0..dual.vertices.len()).collect());
+    }
+    let distances = Nearest::on_mesh(mesh)?.distances(&dual.vertices)?;
+    let far = distances.iter().enumerate().filter(|&(_, &distance)| distance > FAR);
+    Ok(far.map(|(vertex, _)| vertex).collect())
+}
+
+fn refined(
+    seeds: &[Seed],
+    curves: &[Vec<DVec3>],
+    oracle: &Oracle,
+    dims: [i32; 3],
+    criteria: &Criteria,
+) -> Result<Mesh> {
+    let points: Vec<DVec3> = seeds.iter().map(|seed| seed.point).collect();
     let ends = curves.iter().scan(0, |end, curve| {
         *end += curve.len() as u32;
         Some(*end)
     });
     let features = Features {
-        seeds: &flat(&seed_points),
-        seed_sides: &seed_sides,
+        seeds: &flat(&points),
+        seed_sides: &seeds
+            .iter()
+            .flat_map(|seed| seed.sides.map(|side| side.0))
+            .collect::<Vec<_>>(),
         curve_points: &flat(&curves.concat()),
         curve_ends: &ends.collect::<Vec<_>>(),
     };
-    let criteria = criteria(dual, options)?;
     let label_at = |point: [f64; 3]| oracle.label_at(point).0;
     let [x, y, z] = dims.map(|nodes| f64::from(nodes - 1));
-    ffi::refine(&ffi::Oracle(&label_at), &[0.0, 0.0, 0.0, x, y, z], &features, &criteria)
-        .map_err(|exception| Error::library("delaunay mesher", &exception))
+    let facets =
+        ffi::refine(&ffi::Oracle(&label_at), &[0.0, 0.0, 0.0, x, y, z], &features, criteria)
+            .map_err(|exception| Error::library("delaunay mesher", &exception))?;
+    let mut mesh = network(&facets);
+    pinches::split(&mut mesh, &facets.rings);
+    Ok(mesh)
 }
 
 /// # Errors
@@ -151,10 +191,9 @@ fn criteria(dual: &Mesh, options: &Options) -> Result<Criteria> {
     })
 }
 
-/// The facets in world units, each with its front at the right side.
-fn network(facets: &Facets, lattice: &Lattice) -> Mesh {
-    let point = |point: &[f64]| lattice.origin + lattice.voxel * DVec3::from_slice(point);
-    let vertices = facets.points.chunks_exact(3).map(point).collect();
+/// The facets, each with its front at the right side.
+fn network(facets: &Facets) -> Mesh {
+    let vertices = facets.points.chunks_exact(3).map(DVec3::from_slice).collect();
     let (triangles, sides) = (facets.triangles.as_chunks::<3>().0.iter())
         .zip(facets.sides.as_chunks::<2>().0)
         .map(|(&[a, b, c], &[back, front])| {
@@ -165,3 +204,6 @@ fn network(facets: &Facets, lattice: &Lattice) -> Mesh {
         .unzip();
     Mesh { vertices, triangles, sides }
 }
+
+#[cfg(test)]
+mod tests;

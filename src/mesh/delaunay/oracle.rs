@@ -7,6 +7,10 @@
 //! node's label, so this surface crosses the same lattice edges as the dual
 //! mesh, and lies in the same cells; within them it is smoother than the
 //! indicator, whose slope changes with every section plane.
+//!
+//! A node between two of other labels is in something one voxel thick, which
+//! the dual mesh may squeeze to nothing; there |d_l| is at least [`THIN`], so
+//! that what is left of it can be sampled.
 
 use std::collections::BTreeMap;
 
@@ -18,6 +22,8 @@ use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::dual::patch::{Leaves, Patch};
 
+/// The least distance to the surface of a node in something thin, in voxels.
+const THIN: f32 = 0.25;
 
 /// The label of every point. Nothing in it changes once it is made.
 pub struct Oracle {
@@ -52,7 +58,7 @@ impl Oracle {
     pub fn new(samples: &Samples, dual: &Mesh) -> Self {
         let labels = samples.leaves.par_iter().map(Leaf::labels).collect();
         let leaves = Leaves::new(samples, labels);
-        let borders = Borders::new(dual, &samples.lattice);
+        let borders = Borders::new(&leaves, dual, &samples.lattice);
         let blocks = (0..leaves.count())
             .into_par_iter()
             .map(|place| match Patch::gather(&leaves, leaves.at(place)) {
@@ -145,19 +151,20 @@ fn cell_labels(patch: &Patch, cell: usize) -> Vec<Label> {
 }
 
 /// Distances to the boundary of every label in the dual mesh.
-struct Borders {
+struct Borders<'a> {
+    leaves: &'a Leaves<'a>,
     of: BTreeMap<Label, NarrowBand>,
 }
 
-impl Borders {
-    fn new(dual: &Mesh, lattice: &Lattice) -> Self {
+impl<'a> Borders<'a> {
+    fn new(leaves: &'a Leaves, dual: &Mesh, lattice: &Lattice) -> Self {
         let mut labels = dual.labels();
         labels.push(Label::OUTSIDE);
         let band = |label| {
             let triangles = dual.triangles_around(|side| side == label);
             narrow_band(lattice, &dual.vertices, &triangles)
         };
-        Self { of: labels.into_iter().map(|label| (label, band(label))).collect() }
+        Self { leaves, of: labels.into_iter().map(|label| (label, band(label))).collect() }
     }
 
     /// The distance, in voxels, of a node to the boundary of a label; where it
@@ -169,6 +176,21 @@ impl Borders {
             let [x, y, z] = node.map(|offset| offset % LEAF_SIDE);
             Some(band.values[place * LEAF_NODES + (x * LEAF_SIDE + y) * LEAF_SIDE + z].abs())
         });
-        found.unwrap_or(HALF_WIDTH as f32)
+        let least = if self.is_thin(at, node) { THIN } else { 0.0 };
+        found.unwrap_or(HALF_WIDTH as f32).max(least)
+    }
+
+    /// Whether a node lies between two of other labels.
+    fn is_thin(&self, at: [i32; 3], node: [usize; 3]) -> bool {
+        let node: [i32; 3] =
+            std::array::from_fn(|axis| at[axis] * LEAF_SIDE as i32 + node[axis] as i32);
+        let label = self.leaves.label(node);
+        (0..3).any(|axis| {
+            [-1, 1].into_iter().all(|step| {
+                let mut next = node;
+                next[axis] += step;
+                self.leaves.label(next) != label
+            })
+        })
     }
 }

@@ -65,9 +65,7 @@ impl Splits<'_> {
         let has_edge = |of: &u32| edge.iter().all(|end| self.corners(*of).contains(end));
         match self.parts.get(&triangle) {
             None => Some(triangle).filter(has_edge),
-            Some(parts) => {
-                [triangle].iter().chain(parts).find(|part| has_edge(part)).copied()
-            }
+            Some(parts) => [triangle].iter().chain(parts).find(|part| has_edge(part)).copied(),
         }
     }
 

@@ -52,6 +52,17 @@ pub fn seeds(dual: &Mesh, oracle: &Oracle, spacing: f64) -> Vec<Seed> {
     seeds
 }
 
+/// Points where lattice edges cross the oracle's surface near some of the
+/// dual mesh's vertices.
+pub fn near(dual: &Mesh, oracle: &Oracle, vertices: &[usize]) -> Vec<Seed> {
+    let sides = sides(dual);
+    let of_vertex = |&vertex: &usize| {
+        let sides = sides[vertex]?;
+        Some(crossings(dual.vertices[vertex], sides, oracle))
+    };
+    vertices.iter().filter_map(of_vertex).flatten().collect()
+}
+
 /// Where the edges of a point's lattice cell lead from one label to another.
 fn crossings(point: DVec3, sides: [Label; 2], oracle: &Oracle) -> impl Iterator<Item = Seed> {
     let cell = point.floor();
