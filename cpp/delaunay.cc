@@ -31,8 +31,7 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Domain = CGAL::Mesh_domain_with_polyline_features_3<CGAL::Labeled_mesh_domain_3<Kernel>>;
 // Sequential: CGAL's parallel refinement gives another mesh on every run.
-using Triangulation =
-    CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Sequential_tag>::type;
+using Triangulation = CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Sequential_tag>::type;
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::Corner_index,
                                                         Domain::Curve_index>;
 using Vertex = Triangulation::Vertex_handle;
@@ -54,11 +53,12 @@ class Facet_criteria : public CGAL::Mesh_facet_criteria_3<Triangulation> {
   Is_facet_bad operator()(const Triangulation& triangulation,
                           const Triangulation::Facet& facet) const {
     if (triangulation.number_of_vertices() > most_vertices_) {
-      throw std::length_error("more than " + std::to_string(most_vertices_) + " vertices");
+      throw std::length_error(
+          "more than " + std::to_string(most_vertices_) +
+          " vertices are needed: use a larger --facet-size or --facet-distance");
     }
     const Point& centre = facet.first->get_facet_surface_center(facet.second);
-    const Point corner =
-        triangulation.point(facet.first, (facet.second + 1) % 4).point();
+    const Point corner = triangulation.point(facet.first, (facet.second + 1) % 4).point();
     if (CGAL::squared_distance(centre, corner) < smallest_) return Is_facet_bad();
     return Base::operator()(triangulation, facet);
   }
@@ -68,15 +68,14 @@ class Facet_criteria : public CGAL::Mesh_facet_criteria_3<Triangulation> {
   size_t most_vertices_;
 };
 
-using Mesh_criteria = CGAL::Mesh_criteria_3<Triangulation, CGAL::Mesh_edge_criteria_3<Triangulation>,
-                                            Facet_criteria>;
+using Mesh_criteria =
+    CGAL::Mesh_criteria_3<Triangulation, CGAL::Mesh_edge_criteria_3<Triangulation>, Facet_criteria>;
 
 Domain make_domain(const Oracle& oracle, rust::Slice<const double> bounds, double error) {
   const CGAL::Bbox_3 box(bounds[0], bounds[1], bounds[2], bounds[3], bounds[4], bounds[5]);
   // CGAL bisects down to a length relative to half the box's diagonal.
-  const double diagonal = std::sqrt(CGAL::to_double(
-      CGAL::squared_distance(Point(box.xmin(), box.ymin(), box.zmin()),
-                             Point(box.xmax(), box.ymax(), box.zmax()))));
+  const double diagonal = std::sqrt(CGAL::to_double(CGAL::squared_distance(
+      Point(box.xmin(), box.ymin(), box.zmin()), Point(box.xmax(), box.ymax(), box.zmax()))));
   const double relative = 2 * error / diagonal;
   const auto label = [&oracle](const Point& point) {
     return static_cast<int>(oracle.label_at(point.x(), point.y(), point.z()));
@@ -136,7 +135,8 @@ void insert_seeds(Complex& complex, const Domain& domain, rust::Slice<const doub
     if (is_protected(triangulation, point)) continue;
     const Vertex vertex = triangulation.insert(point);
     if (vertex == Vertex()) continue;
-    const int one = static_cast<int>(sides[2 * seed]), other = static_cast<int>(sides[2 * seed + 1]);
+    const int one = static_cast<int>(sides[2 * seed]),
+              other = static_cast<int>(sides[2 * seed + 1]);
     const std::pair<int, int> patch(std::min(one, other), std::max(one, other));
     complex.set_dimension(vertex, 2);
     complex.set_index(vertex, domain.index_from_surface_patch_index(patch));
@@ -199,12 +199,10 @@ class Extraction {
   }
 
   void add_ring(const Triangulation::Edge& edge) {
-    std::vector<uint32_t> labels, ring;
+    std::vector<uint32_t> ring;
     auto first = triangulation_.incident_facets(edge);
     auto facet = first;
     do {
-      // Circulation leads through the facet's cell or its neighbor in turn;
-      // the label before a facet is that of the facet before it.
       const auto found = index_.find(key(*facet));
       if (found != index_.end()) ring.push_back(found->second);
     } while (++facet != first);
@@ -227,9 +225,7 @@ class Extraction {
   }
 
   // A facet has two names, one from each of its cells.
-  static std::pair<size_t, int> name(const Cell& cell, int i) {
-    return {cell->time_stamp(), i};
-  }
+  static std::pair<size_t, int> name(const Cell& cell, int i) { return {cell->time_stamp(), i}; }
   static std::pair<size_t, int> key(const Facet& facet) {
     const Cell other = facet.first->neighbor(facet.second);
     return std::min(name(facet.first, facet.second), name(other, other->index(facet.first)));

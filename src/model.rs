@@ -116,6 +116,11 @@ impl Model {
         Ok(())
     }
 
+    /// How the model is derived.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
     /// The sections.
     pub fn sections(&self) -> &Sections {
         &self.sections

@@ -89,7 +89,7 @@ pub struct MeshingArguments {
     /// With the delaunay mesher: the largest circumradius of triangles, in voxels [default: 2]
     #[arg(long, value_name = "V", value_parser = positive)]
     pub facet_size: Option<f64>,
-    /// With the delaunay mesher: how far triangles may be from the surface, in voxels [default: 0.2]
+    /// With the delaunay mesher: how far triangles may be from the surface, in voxels [default: 0.1]
     #[arg(long, value_name = "V", value_parser = positive)]
     pub facet_distance: Option<f64>,
 }

@@ -57,7 +57,7 @@ const SMALLEST: f64 = 0.01;
 const PRECISION: f64 = 1e-4;
 /// How far the dual mesh's vertices may be from the result, in voxels, before
 /// more seeds are set.
-const FAR: f64 = 0.5;
+const FAR: f64 = 0.75;
 /// How often refinement is begun at most.
 const ROUNDS: usize = 4;
 /// How many times the vertices that are expected there may be.
@@ -78,7 +78,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { angle: 30.0, size: 2.0, distance: 0.2 }
+        Self { angle: 30.0, size: 2.0, distance: 0.1 }
     }
 }
 
@@ -104,21 +104,25 @@ pub fn delaunay(samples: &Samples, options: &Options, progress: &dyn Progress) -
     Ok(mesh)
 }
 
-/// Refines until no vertex of the dual mesh is far: where one is, something
-/// thin was missed that needs more seeds. Everything in lattice units.
+/// Refines until no vertex of the dual mesh is far and no edge is pinched:
+/// there, something thin needs more seeds. Everything in lattice units.
 fn complete(dual: &Mesh, oracle: &Oracle, dims: [i32; 3], options: &Options) -> Result<Mesh> {
     let criteria = criteria(dual, options)?;
     let curves = curves::curves(dual);
     let mut seeds = seeds::seeds(dual, oracle, SEED_SPACING * options.size);
-    for _ in 1..ROUNDS {
-        let mesh = refined(&seeds, &curves, oracle, dims, &criteria)?;
+    let mut round = 1;
+    loop {
+        let facets = refined(&seeds, &curves, oracle, dims, &criteria)?;
+        let mut mesh = network(&facets);
         let far = far_vertices(dual, &mesh)?;
-        if far.is_empty() {
+        if round == ROUNDS || (far.is_empty() && facets.rings.is_empty()) {
+            pinches::split(&mut mesh, &facets.rings);
             return Ok(mesh);
         }
         seeds.extend(seeds::near(dual, oracle, &far));
+        seeds.extend(pinches::seeds(&mesh, &facets.rings, oracle));
+        round += 1;
     }
-    refined(&seeds, &curves, oracle, dims, &criteria)
 }
 
 /// The vertices of the dual mesh that are further than [`FAR`] from a mesh.
@@ -137,7 +141,7 @@ fn refined(
     oracle: &Oracle,
     dims: [i32; 3],
     criteria: &Criteria,
-) -> Result<Mesh> {
+) -> Result<Facets> {
     let points: Vec<DVec3> = seeds.iter().map(|seed| seed.point).collect();
     let ends = curves.iter().scan(0, |end, curve| {
         *end += curve.len() as u32;
@@ -154,12 +158,8 @@ fn refined(
     };
     let label_at = |point: [f64; 3]| oracle.label_at(point).0;
     let [x, y, z] = dims.map(|nodes| f64::from(nodes - 1));
-    let facets =
-        ffi::refine(&ffi::Oracle(&label_at), &[0.0, 0.0, 0.0, x, y, z], &features, criteria)
-            .map_err(|exception| Error::library("delaunay mesher", &exception))?;
-    let mut mesh = network(&facets);
-    pinches::split(&mut mesh, &facets.rings);
-    Ok(mesh)
+    ffi::refine(&ffi::Oracle(&label_at), &[0.0, 0.0, 0.0, x, y, z], &features, criteria)
+        .map_err(|exception| Error::library("delaunay mesher", &exception))
 }
 
 /// # Errors

@@ -20,6 +20,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::oracle::Oracle;
+use super::seeds::{Seed, crossings};
 use crate::label::Label;
 use crate::mesh::Mesh;
 
@@ -30,13 +32,32 @@ const SHIFT: f64 = 0.02;
 /// number of triangles, and the triangles in turn around the edge.
 pub fn split(mesh: &mut Mesh, rings: &[u32]) {
     let mut splits = Splits { mesh, parts: HashMap::new() };
-    let mut rest = rings;
-    while let [start, end, count, tail @ ..] = rest
-        && let Some((ring, next)) = tail.split_at_checked(*count as usize)
-    {
-        splits.split_edge([*start, *end], ring);
-        rest = next;
+    for (edge, ring) in each(rings) {
+        splits.split_edge(edge, ring);
     }
+}
+
+/// Points of the surface around such edges, in lattice units: with these,
+/// most are no longer pinched.
+pub fn seeds(mesh: &Mesh, rings: &[u32], oracle: &Oracle) -> Vec<Seed> {
+    each(rings)
+        .flat_map(|(_, ring)| ring)
+        .flat_map(|&triangle| {
+            let [a, b, c] = mesh.corners(triangle as usize);
+            crossings((a + b + c) / 3.0, mesh.sides[triangle as usize], oracle)
+        })
+        .collect()
+}
+
+/// The edges with their triangles.
+fn each(rings: &[u32]) -> impl Iterator<Item = ([u32; 2], &[u32])> {
+    let mut rest = rings;
+    std::iter::from_fn(move || {
+        let [start, end, count, tail @ ..] = rest else { return None };
+        let (ring, next) = tail.split_at_checked(*count as usize)?;
+        rest = next;
+        Some(([*start, *end], ring))
+    })
 }
 
 struct Splits<'a> {

@@ -64,7 +64,7 @@ pub fn near(dual: &Mesh, oracle: &Oracle, vertices: &[usize]) -> Vec<Seed> {
 }
 
 /// Where the edges of a point's lattice cell lead from one label to another.
-fn crossings(point: DVec3, sides: [Label; 2], oracle: &Oracle) -> impl Iterator<Item = Seed> {
+pub fn crossings(point: DVec3, sides: [Label; 2], oracle: &Oracle) -> impl Iterator<Item = Seed> {
     let cell = point.floor();
     EDGE_CORNERS.into_iter().filter_map(move |edge| {
         let mut ends = edge.map(|corner| {

@@ -56,12 +56,18 @@ fn ball(radius: f64) -> f64 {
     4.0 / 3.0 * PI * radius.powi(3)
 }
 
+/// How much of a ball's volume is lost when its surface is moved by the facet
+/// distance of a tenth of a voxel, and half as much for the oracle's error.
+fn tolerance(radius: f64) -> f64 {
+    3.0 * 0.15 * VOXEL / radius
+}
+
 #[test]
 fn a_ball_has_its_volume_and_good_triangles() {
     let mesh = meshed(|point| vec![share(0.7 - point.length())]);
     let facts = &assert_sound(&mesh)[0];
     assert_eq!((facts.components, facts.genus), (1, 0));
-    assert!((facts.volume / ball(0.7) - 1.0).abs() < 0.01, "{}", facts.volume);
+    assert!((facts.volume / ball(0.7) - 1.0).abs() < tolerance(0.7), "{}", facts.volume);
     assert!(smallest_angle(&mesh) >= 29.9, "{}", smallest_angle(&mesh));
     for (triangle, sides) in mesh.sides.iter().enumerate() {
         let [a, b, c] = mesh.corners(triangle);
@@ -79,8 +85,8 @@ fn a_ball_in_a_shell_has_two_surfaces() {
     });
     let [shell, core] = &assert_sound(&mesh)[..] else { panic!("{:?}", mesh.labels()) };
     assert_eq!((shell.components, shell.cavities, core.components), (2, 1, 1));
-    assert!((core.volume / ball(0.4) - 1.0).abs() < 0.02);
-    assert!((shell.volume / (ball(0.75) - ball(0.4)) - 1.0).abs() < 0.015);
+    assert!((core.volume / ball(0.4) - 1.0).abs() < tolerance(0.4));
+    assert!(((shell.volume + core.volume) / ball(0.75) - 1.0).abs() < tolerance(0.75));
     assert!(smallest_angle(&mesh) >= 29.9);
 }
 
@@ -103,7 +109,10 @@ fn three_materials_meet_in_shared_curves() {
     assert_eq!(facts.len(), 3);
     for facts in &facts {
         assert_eq!((facts.components, facts.genus), (1, 0));
-        assert!((facts.volume / (ball(0.7) / 3.0) - 1.0).abs() < 0.03, "{}", facts.volume);
+        // A wedge's two half discs, together π r² for a volume of 4/9 π r³,
+        // may be off by a tenth of a voxel, too.
+        let tolerance = tolerance(0.7) + 0.1 * VOXEL * 9.0 / (4.0 * 0.7);
+        assert!((facts.volume / (ball(0.7) / 3.0) - 1.0).abs() < tolerance, "{}", facts.volume);
     }
     let whole = mesh.surface_of(Label::is_material).volume();
     let sum: f64 = facts.iter().map(|facts| facts.volume).sum();
@@ -115,9 +124,12 @@ fn three_materials_meet_in_shared_curves() {
         |curve: &Vec<DVec3>| curve.windows(2).map(|two| two[0].distance(two[1])).sum::<f64>();
     let mut lengths: Vec<f64> = curves.iter().map(length).collect();
     lengths.sort_by(f64::total_cmp);
-    assert!((lengths[0] / 1.4 - 1.0).abs() < 0.1, "{lengths:?}");
+    // Outside wins where it has more than each material: at the axis, where
+    // they have a third of the inside each, from 3/4 of it on, that is 1.5
+    // voxels below the sphere; at the meridians from 2/3 on, one voxel below.
+    assert!((lengths[0] / (2.0 * (0.7 - 1.5 * VOXEL)) - 1.0).abs() < 0.03, "{lengths:?}");
     for meridian in &lengths[1..] {
-        assert!((meridian / (0.7 * PI) - 1.0).abs() < 0.1, "{lengths:?}");
+        assert!((meridian / ((0.7 - VOXEL) * PI) - 1.0).abs() < 0.08, "{lengths:?}");
     }
 }
 
