@@ -14,6 +14,7 @@ use crate::grid::sampling::{Margin, Starts, sample};
 use crate::grid::smoothing::{SMOOTHING_MARGIN, smoothed};
 use crate::label::Label;
 use crate::mesh::Mesh;
+use crate::mesh::delaunay::{self, delaunay};
 use crate::mesh::dual::dual;
 use crate::plane::Bounds;
 use crate::progress::Progress;
@@ -44,6 +45,18 @@ pub struct Options {
     /// of an edge in world units, a 16th of the box's longest side when none
     /// is given.
     pub spacing: Option<f64>,
+    /// How the surface is made from the samples.
+    pub mesher: Mesher,
+}
+
+/// How the surface is made from the samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Mesher {
+    /// Dual contouring.
+    #[default]
+    Dual,
+    /// Delaunay refinement.
+    Delaunay(delaunay::Options),
 }
 
 impl Default for Options {
@@ -54,6 +67,7 @@ impl Default for Options {
             device: Device::Auto,
             border: Label::OUTSIDE,
             spacing: None,
+            mesher: Mesher::Dual,
         }
     }
 }
@@ -109,6 +123,11 @@ impl Model {
         self.sections = sections;
         self.derived = Some(derived);
         Ok(())
+    }
+
+    /// How the model is derived.
+    pub fn options(&self) -> &Options {
+        &self.options
     }
 
     /// The sections.
@@ -183,7 +202,10 @@ fn derive(
         smoothed(samples, all, bounds, options.smooth)
     })?;
     let mesh = stages.run("mesh", |counts| {
-        let mesh = dual(&samples, progress)?;
+        let mesh = match &options.mesher {
+            Mesher::Dual => dual(&samples, progress)?,
+            Mesher::Delaunay(limits) => delaunay(&samples, limits, progress)?,
+        };
         counts.insert("vertices".into(), mesh.vertices.len() as u64);
         counts.insert("triangles".into(), mesh.triangles.len() as u64);
         Ok(mesh)

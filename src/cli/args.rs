@@ -4,8 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::error::Error;
 use crate::field::Device;
 use crate::label::Label;
+use crate::mesh::delaunay;
+use crate::model::Mesher;
 use crate::section::{Overlap, Rules};
 
 /// Volumes and surfaces from labelled planar cross-sections of any orientation.
@@ -55,9 +58,8 @@ pub struct ReconstructArguments {
     /// How finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
     #[arg(long, value_name = "H", value_parser = positive)]
     pub spacing: Option<f64>,
-    /// How the surface is made from the grid: dual contouring
-    #[arg(long, value_enum, default_value_t = MesherName::Dual)]
-    pub mesher: MesherName,
+    #[command(flatten)]
+    pub meshing: MeshingArguments,
     /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it
     #[arg(long = "box", value_name = "LABEL", value_enum, default_value_t = BorderName::Outside)]
     pub border: BorderName,
@@ -86,6 +88,43 @@ pub struct ReconstructArguments {
     /// No progress, no warnings, no table
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct MeshingArguments {
+    /// How the surface is made from the grid: dual contouring, or Delaunay refinement, which is slower and makes well-shaped triangles
+    #[arg(long, value_enum, default_value_t = MesherName::Dual)]
+    pub mesher: MesherName,
+    /// With the delaunay mesher: the smallest angle of triangles, except along junction curves [default: 30]
+    #[arg(long, value_name = "DEG", value_parser = angle)]
+    pub facet_angle: Option<f64>,
+    /// With the delaunay mesher: the largest circumradius of triangles, in voxels [default: 2]
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub facet_size: Option<f64>,
+    /// With the delaunay mesher: how far triangles may be from the surface, in voxels [default: 0.1]
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub facet_distance: Option<f64>,
+}
+
+impl MeshingArguments {
+    pub fn mesher(&self) -> crate::error::Result<Mesher> {
+        let own = [self.facet_angle, self.facet_size, self.facet_distance];
+        match self.mesher {
+            MesherName::Dual if own.iter().any(Option::is_some) => Err(Error::Option(
+                "--facet-angle, --facet-size and --facet-distance need --mesher delaunay"
+                    .to_owned(),
+            )),
+            MesherName::Dual => Ok(Mesher::Dual),
+            MesherName::Delaunay => {
+                let default = delaunay::Options::default();
+                Ok(Mesher::Delaunay(delaunay::Options {
+                    angle: self.facet_angle.unwrap_or(default.angle),
+                    size: self.facet_size.unwrap_or(default.size),
+                    distance: self.facet_distance.unwrap_or(default.distance),
+                }))
+            }
+        }
+    }
 }
 
 #[derive(Debug, Clone, Args)]
@@ -210,6 +249,7 @@ pub enum MethodName {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MesherName {
     Dual,
+    Delaunay,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -283,6 +323,13 @@ fn two_lengths(text: &str) -> Result<[f64; 2], String> {
     let lengths: Vec<f64> =
         text.split(',').map(|length| positive(length.trim())).collect::<Result<_, _>>()?;
     lengths.try_into().map_err(|_| "two lengths W,H are needed".to_owned())
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    positive(text)
+        .ok()
+        .filter(|&angle| angle <= 30.0)
+        .ok_or_else(|| "an angle above 0 and up to 30 degrees is needed".to_owned())
 }
 
 fn four_numbers(text: &str) -> Result<[f64; 4], String> {

@@ -18,7 +18,7 @@ use crate::io::{self};
 use crate::label::Material;
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
-use crate::model::{Derived, Model, Options};
+use crate::model::{Derived, Mesher, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
 use crate::report::Report;
@@ -31,6 +31,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         arguments.output.iter().map(|path| Target::new(path)).collect::<Result<Vec<_>>>()?;
     let grids =
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
+    let options = options(arguments)?;
     let mut outputs = reserve(arguments, &targets)?;
     super::limit_threads(arguments.threads)?;
 
@@ -50,7 +51,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         let files = target.files(&sections.materials)?;
         files.iter().try_for_each(|(path, _)| outputs.add(path))?;
     }
-    let mut model = Model::new(options(arguments));
+    let mut model = Model::new(options);
     model.apply(Change::Add(sections), &rules, &mut stages, watcher.progress())?;
     let derived = model
         .derived()
@@ -58,7 +59,9 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     // With caps the surfaces are closed as they would be without a box.
     let open = derived.samples.open.filter(|_| !arguments.caps);
     let checked = stages.run("check", |_| {
-        let options = check::Options { open, ..check::Options::default() };
+        // Cheap for the delaunay mesher's fewer triangles, and promised.
+        let self_intersections = matches!(model.options().mesher, Mesher::Delaunay(_));
+        let options = check::Options { open, self_intersections };
         let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
         check(&model.sections().sections, mesh, lattice, options, watcher.progress())
     })?;
@@ -93,19 +96,20 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     Ok(())
 }
 
-fn options(arguments: &ReconstructArguments) -> Options {
+fn options(arguments: &ReconstructArguments) -> Result<Options> {
     let resolution = match (arguments.voxel_size, arguments.resolution) {
         (Some(size), _) => Resolution::VoxelSize(size),
         (None, Some(voxels)) => Resolution::Voxels(voxels),
         (None, None) => Options::default().resolution,
     };
-    Options {
+    Ok(Options {
         resolution,
         smooth: arguments.smooth,
         device: arguments.device.into(),
         border: arguments.border.into(),
         spacing: arguments.spacing,
-    }
+        mesher: arguments.meshing.mesher()?,
+    })
 }
 
 /// All files whose names are known before anything is read.

@@ -2,6 +2,7 @@
 //! them, in few calls; every function that can throw returns a `Result`.
 
 pub mod arrangement;
+pub mod delaunay;
 pub mod grid;
 pub mod measure;
 pub mod partition;

@@ -2,6 +2,7 @@
 
 pub mod caps;
 pub mod cut;
+pub mod delaunay;
 pub mod dual;
 pub mod facts;
 pub mod nearest;

@@ -19,6 +19,11 @@ impl Nearest {
         Self::new(&surface.vertices, surface.triangles.as_flattened())
     }
 
+    /// Of all triangles of a network; one without area is an error.
+    pub fn on_mesh(mesh: &Mesh) -> Result<Self> {
+        Self::new(&mesh.vertices, mesh.triangles.as_flattened())
+    }
+
     /// Of all triangles with `label` on either side; `None` without any.
     pub fn on_border(mesh: &Mesh, label: Label) -> Result<Option<Self>> {
         let corners: Vec<u32> = (mesh.triangles.iter().zip(&mesh.sides))

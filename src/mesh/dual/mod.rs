@@ -56,8 +56,8 @@
 
 mod block;
 mod border;
-mod cell;
-mod patch;
+pub(super) mod cell;
+pub(super) mod patch;
 mod polygon;
 mod relax;
 mod triangles;

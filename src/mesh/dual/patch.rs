@@ -57,6 +57,17 @@ impl<'a> Leaves<'a> {
         self.dims
     }
 
+    /// The label of a node, by what the samples say.
+    pub fn label(&self, node: [i32; 3]) -> Label {
+        match self.source(node.map(|along| along.div_euclid(LEAF_SIDE as i32))) {
+            Source::Tile(label) => label,
+            Source::Leaf(_, labels) => {
+                let [x, y, z] = node.map(|along| along.rem_euclid(LEAF_SIDE as i32) as usize);
+                labels[(x * LEAF_SIDE + y) * LEAF_SIDE + z]
+            }
+        }
+    }
+
     fn source(&self, at: [i32; 3]) -> Source<'_> {
         match self.place(at) {
             None => Source::Tile(Label::OUTSIDE),

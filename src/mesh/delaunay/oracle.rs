@@ -1,0 +1,196 @@
+//! Which label is at a point: the surface that refinement samples.
+//!
+//! Let d_l be the signed distance to the boundary of label l in the dual mesh,
+//! negative in l. It is computed at the nodes of all lattice cells that the
+//! interface passes through and interpolated trilinearly in them; the label
+//! of a point is the one with the smallest. The sign at a node is that of the
+//! node's label, so this surface crosses the same lattice edges as the dual
+//! mesh, and lies in the same cells; within them it is smoother than the
+//! indicator, whose slope changes with every section plane.
+//!
+//! A node between two of other labels is in something one voxel thick, which
+//! the dual mesh may squeeze to nothing; there |d_l| is at least [`THIN`], so
+//! that what is left of it can be sampled.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::grid::distance::{HALF_WIDTH, NarrowBand, narrow_band};
+use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, Samples};
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::mesh::dual::patch::{Leaves, Patch};
+
+/// The least distance to the surface of a node in something thin, in voxels.
+const THIN: f32 = 0.25;
+
+/// The label of every point. Nothing in it changes once it is made.
+pub struct Oracle {
+    /// Leaves along each axis.
+    dims: [i32; 3],
+    blocks: Vec<Block>,
+}
+
+/// The cells that start in one leaf.
+enum Block {
+    Uniform(Label),
+    Mixed(Cells),
+}
+
+struct Cells {
+    /// Of each cell's first node: the label throughout a cell without parts.
+    labels: Vec<Label>,
+    /// Cell i has `parts[first[i]..first[i + 1]]`, by label.
+    first: Vec<u32>,
+    parts: Vec<Part>,
+}
+
+/// Signed distances to one label's boundary, in voxels, at a cell's corners:
+/// corner `4 x + 2 y + z` has the offset (x, y, z).
+struct Part {
+    label: Label,
+    distances: [f32; 8],
+}
+
+impl Oracle {
+    /// The oracle of samples and of the dual mesh made from them.
+    pub fn new(samples: &Samples, dual: &Mesh) -> Self {
+        let labels = samples.leaves.par_iter().map(Leaf::labels).collect();
+        let leaves = Leaves::new(samples, labels);
+        let borders = Borders::new(&leaves, dual, &samples.lattice);
+        let blocks = (0..leaves.count())
+            .into_par_iter()
+            .map(|place| match Patch::gather(&leaves, leaves.at(place)) {
+                None => Block::Uniform(samples.tiles[place]),
+                Some(patch) => Block::Mixed(Cells::new(&patch, leaves.at(place), &borders)),
+            })
+            .collect();
+        Self { dims: leaves.dims(), blocks }
+    }
+
+    /// The label at a point in lattice units; off the lattice it is outside.
+    pub fn label_at(&self, point: [f64; 3]) -> Label {
+        let cell = point.map(f64::floor);
+        let at = cell.map(|node| (node / LEAF_SIDE as f64).floor());
+        if (0..3).any(|axis| !(0.0..f64::from(self.dims[axis])).contains(&at[axis])) {
+            return Label::OUTSIDE;
+        }
+        let [_, y, z] = self.dims.map(|side| side as usize);
+        let place = (at[0] as usize * y + at[1] as usize) * z + at[2] as usize;
+        match &self.blocks[place] {
+            Block::Uniform(label) => *label,
+            Block::Mixed(cells) => {
+                let node = std::array::from_fn(|axis| cell[axis] as usize % LEAF_SIDE);
+                cells.label_at(node, std::array::from_fn(|axis| point[axis] - cell[axis]))
+            }
+        }
+    }
+}
+
+impl Cells {
+    fn new(patch: &Patch, at: [i32; 3], borders: &Borders) -> Self {
+        let mut cells = Self { labels: vec![], first: vec![0], parts: vec![] };
+        for cell in 0..LEAF_NODES {
+            let corners = corners(cell);
+            for label in cell_labels(patch, cell) {
+                let distances = corners.map(|corner| {
+                    let sign = if patch.label(corner) == label { -1.0 } else { 1.0 };
+                    sign * borders.distance(label, at, corner)
+                });
+                cells.parts.push(Part { label, distances });
+            }
+            cells.labels.push(patch.label(corners[0]));
+            cells.first.push(cells.parts.len() as u32);
+        }
+        cells
+    }
+
+    /// The label in the cell that starts at a node of the leaf, at fractions
+    /// of its sides.
+    fn label_at(&self, node: [usize; 3], fraction: [f64; 3]) -> Label {
+        let cell = (node[0] * LEAF_SIDE + node[1]) * LEAF_SIDE + node[2];
+        let parts = &self.parts[self.first[cell] as usize..self.first[cell + 1] as usize];
+        let nearest = parts
+            .iter()
+            .map(|part| (part.label, part.at(fraction)))
+            .reduce(|best, next| if next.1 < best.1 { next } else { best });
+        nearest.map_or(self.labels[cell], |(label, _)| label)
+    }
+}
+
+impl Part {
+    fn at(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let d = self.distances.map(f64::from);
+        let along_z = |corner: usize| d[corner] + z * (d[corner + 1] - d[corner]);
+        let along_y = |corner: usize| {
+            let (low, high) = (along_z(corner), along_z(corner + 2));
+            low + y * (high - low)
+        };
+        let (low, high) = (along_y(0), along_y(4));
+        low + x * (high - low)
+    }
+}
+
+/// The nodes of a cell, as offsets in its leaf.
+fn corners(cell: usize) -> [[usize; 3]; 8] {
+    let [x, y, z] = [cell / 64, cell / 8 % 8, cell % 8];
+    std::array::from_fn(|corner| [x + corner / 4, y + corner / 2 % 2, z + corner % 2])
+}
+
+/// The labels at a cell's nodes, sorted; none where there is only one.
+fn cell_labels(patch: &Patch, cell: usize) -> Vec<Label> {
+    let labels = corners(cell).map(|corner| patch.label(corner));
+    if labels.iter().all(|&label| label == labels[0]) {
+        return Vec::new();
+    }
+    let mut labels = labels.to_vec();
+    labels.sort_unstable();
+    labels.dedup();
+    labels
+}
+
+/// Distances to the boundary of every label in the dual mesh.
+struct Borders<'a> {
+    leaves: &'a Leaves<'a>,
+    of: BTreeMap<Label, NarrowBand>,
+}
+
+impl<'a> Borders<'a> {
+    fn new(leaves: &'a Leaves, dual: &Mesh, lattice: &Lattice) -> Self {
+        let mut labels = dual.labels();
+        labels.push(Label::OUTSIDE);
+        let band = |label| {
+            let triangles = dual.triangles_around(|side| side == label);
+            narrow_band(lattice, &dual.vertices, &triangles)
+        };
+        Self { leaves, of: labels.into_iter().map(|label| (label, band(label))).collect() }
+    }
+
+    /// The distance, in voxels, of a node to the boundary of a label; where it
+    /// is beyond the band, the band's width.
+    fn distance(&self, label: Label, at: [i32; 3], node: [usize; 3]) -> f32 {
+        let leaf = std::array::from_fn(|axis| at[axis] + (node[axis] / LEAF_SIDE) as i32);
+        let found = self.of.get(&label).and_then(|band| {
+            let place = band.leaves.binary_search(&leaf).ok()?;
+            let [x, y, z] = node.map(|offset| offset % LEAF_SIDE);
+            Some(band.values[place * LEAF_NODES + (x * LEAF_SIDE + y) * LEAF_SIDE + z].abs())
+        });
+        let least = if self.is_thin(at, node) { THIN } else { 0.0 };
+        found.unwrap_or(HALF_WIDTH as f32).max(least)
+    }
+
+    /// Whether a node lies between two of other labels.
+    fn is_thin(&self, at: [i32; 3], node: [usize; 3]) -> bool {
+        let node: [i32; 3] =
+            std::array::from_fn(|axis| at[axis] * LEAF_SIDE as i32 + node[axis] as i32);
+        let label = self.leaves.label(node);
+        (0..3).any(|axis| {
+            [-1, 1].into_iter().all(|step| {
+                let mut next = node;
+                next[axis] += step;
+                self.leaves.label(next) != label
+            })
+        })
+    }
+}

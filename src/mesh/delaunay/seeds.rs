@@ -1,0 +1,130 @@
+//! Points of the surface that refinement starts from, spread out over every
+//! connected piece of it: what no point lies on, it would never see.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, IVec3};
+
+use super::oracle::Oracle;
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::mesh::dual::cell::EDGE_CORNERS;
+use crate::plane::Bounds;
+
+/// Pieces up to this size, in voxels, have points on all lattice edges that
+/// they cross.
+const SMALL: f64 = 4.0;
+/// Halvings of a lattice edge.
+const HALVINGS: usize = 20;
+
+/// A point between two labels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seed {
+    /// In lattice units.
+    pub point: DVec3,
+    /// The labels on the two sides.
+    pub sides: [Label; 2],
+}
+
+/// Points where lattice edges cross the oracle's surface, near vertices of
+/// the dual mesh (in lattice units) of which no two of one piece are nearer
+/// than `spacing`.
+pub fn seeds(dual: &Mesh, oracle: &Oracle, spacing: f64) -> Vec<Seed> {
+    let sides = sides(dual);
+    let mut taken: HashMap<(IVec3, u32), Vec<DVec3>> = HashMap::new();
+    let mut seeds = Vec::new();
+    for (vertex, (piece, size)) in pieces(dual).into_iter().enumerate() {
+        let (point, Some(sides)) = (dual.vertices[vertex], sides[vertex]) else { continue };
+        if size <= SMALL {
+            seeds.extend(crossings(point, sides, oracle));
+            continue;
+        }
+        let bin = (point / spacing).floor().as_ivec3();
+        let near = |bin: IVec3| taken.get(&(bin, piece)).into_iter().flatten();
+        if !around(bin).flat_map(near).any(|other| other.distance(point) < spacing) {
+            taken.entry((bin, piece)).or_default().push(point);
+            let distance = |seed: &Seed| seed.point.distance_squared(point);
+            let nearest = crossings(point, sides, oracle)
+                .min_by(|one, other| distance(one).total_cmp(&distance(other)));
+            seeds.extend(nearest);
+        }
+    }
+    seeds
+}
+
+/// Points where lattice edges cross the oracle's surface near some of the
+/// dual mesh's vertices.
+pub fn near(dual: &Mesh, oracle: &Oracle, vertices: &[usize]) -> Vec<Seed> {
+    let sides = sides(dual);
+    let of_vertex = |&vertex: &usize| {
+        let sides = sides[vertex]?;
+        Some(crossings(dual.vertices[vertex], sides, oracle))
+    };
+    vertices.iter().filter_map(of_vertex).flatten().collect()
+}
+
+/// Where the edges of a point's lattice cell lead from one label to another.
+pub fn crossings(point: DVec3, sides: [Label; 2], oracle: &Oracle) -> impl Iterator<Item = Seed> {
+    let cell = point.floor();
+    EDGE_CORNERS.into_iter().filter_map(move |edge| {
+        let mut ends = edge.map(|corner| {
+            let offset = [corner / 4, corner / 2 % 2, corner % 2].map(|step| step as f64);
+            cell + DVec3::from_array(offset)
+        });
+        let label = |point: DVec3| oracle.label_at(point.to_array());
+        let labels = ends.map(label);
+        if labels != sides && labels != [sides[1], sides[0]] {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = ends[0].midpoint(ends[1]);
+            ends[usize::from(label(middle) != labels[0])] = middle;
+        }
+        Some(Seed { point: ends[0].midpoint(ends[1]), sides })
+    })
+}
+
+/// A bin and its neighbours.
+fn around(bin: IVec3) -> impl Iterator<Item = IVec3> {
+    (0..27).map(move |step| bin + IVec3::new(step / 9 - 1, step / 3 % 3 - 1, step % 3 - 1))
+}
+
+/// For every vertex the number of its piece and the piece's longest side.
+fn pieces(mesh: &Mesh) -> Vec<(u32, f64)> {
+    let vertices = 0..mesh.vertices.len() as u32;
+    let mut parent: Vec<u32> = vertices.clone().collect();
+    for &[a, b, c] in &mesh.triangles {
+        for other in [b, c] {
+            let (one, other) = (root(&mut parent, a), root(&mut parent, other));
+            parent[one.max(other) as usize] = one.min(other);
+        }
+    }
+    let roots: Vec<u32> = vertices.map(|vertex| root(&mut parent, vertex)).collect();
+    let mut boxes: HashMap<u32, Bounds> = HashMap::new();
+    for (&root, &point) in roots.iter().zip(&mesh.vertices) {
+        let whole = boxes.entry(root).or_insert(Bounds { min: point, max: point });
+        *whole = Bounds { min: whole.min.min(point), max: whole.max.max(point) };
+    }
+    roots.iter().map(|&root| (root, boxes[&root].size().max_element())).collect()
+}
+
+fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
+    while parent[vertex as usize] != vertex {
+        let above = parent[vertex as usize];
+        parent[vertex as usize] = parent[above as usize];
+        vertex = above;
+    }
+    vertex
+}
+
+/// For every vertex the labels of its triangles, where all have the same.
+fn sides(mesh: &Mesh) -> Vec<Option<[Label; 2]>> {
+    let mut around = vec![(None, false); mesh.vertices.len()];
+    for (corners, &own) in mesh.triangles.iter().zip(&mesh.sides) {
+        for &corner in corners {
+            let (sides, junction) = &mut around[corner as usize];
+            *junction |= *sides.get_or_insert(own) != own;
+        }
+    }
+    around.into_iter().map(|(sides, junction)| sides.filter(|_| !junction)).collect()
+}

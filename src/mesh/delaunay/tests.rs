@@ -1,0 +1,165 @@
+use std::f64::consts::PI;
+
+use super::*;
+use crate::grid::samples::Lattice;
+use crate::mesh::facts::Facts;
+use crate::mesh::shapes::{assert_edge_manifold, samples};
+use crate::progress::Silent;
+
+const NODES: i32 = 41;
+const VOXEL: f64 = 2.0 / 40.0;
+
+/// Samples over [−1, 1]³ from shares of the materials, which add up to at
+/// most 1.
+fn sampled(shares: impl Fn(DVec3) -> Vec<f64>) -> Samples {
+    let lattice = Lattice { origin: DVec3::splat(-1.0), voxel: VOXEL, dims: [NODES; 3] };
+    samples(lattice, |node| {
+        shares(lattice.position(node)).iter().map(|share| (2.0 * share - 1.0) as f32).collect()
+    })
+}
+
+/// From 0 to 1 over six voxels around the surface of something, of which
+/// `depth` is the signed distance inside.
+fn share(depth: f64) -> f64 {
+    (0.5 + depth / (6.0 * VOXEL)).clamp(0.0, 1.0)
+}
+
+fn meshed(shares: impl Fn(DVec3) -> Vec<f64>) -> Mesh {
+    delaunay(&sampled(shares), &Options::default(), &Silent).unwrap()
+}
+
+/// Closed, outward and free of self-intersection, outside too; the facts of
+/// the materials.
+fn assert_sound(mesh: &Mesh) -> Vec<Facts> {
+    assert_edge_manifold(mesh, Label::OUTSIDE);
+    let facts = |label| {
+        assert_edge_manifold(mesh, label);
+        let facts = mesh.surface(label).facts(true).unwrap();
+        assert!(facts.closed && facts.outward, "label {label}");
+        assert_eq!(facts.self_intersections, Some(0), "label {label}");
+        facts
+    };
+    mesh.labels().into_iter().map(facts).collect()
+}
+
+fn smallest_angle(mesh: &Mesh) -> f64 {
+    (0..mesh.triangles.len())
+        .flat_map(|triangle| {
+            let [a, b, c] = mesh.corners(triangle);
+            [[a, b, c], [b, c, a], [c, a, b]].map(|[a, b, c]| (b - a).angle_between(c - a))
+        })
+        .fold(PI, f64::min)
+        .to_degrees()
+}
+
+fn ball(radius: f64) -> f64 {
+    4.0 / 3.0 * PI * radius.powi(3)
+}
+
+/// How much of a ball's volume is lost when its surface is moved by the facet
+/// distance of a tenth of a voxel, and half as much for the oracle's error.
+fn tolerance(radius: f64) -> f64 {
+    3.0 * 0.15 * VOXEL / radius
+}
+
+#[test]
+fn a_ball_has_its_volume_and_good_triangles() {
+    let mesh = meshed(|point| vec![share(0.7 - point.length())]);
+    let facts = &assert_sound(&mesh)[0];
+    assert_eq!((facts.components, facts.genus), (1, 0));
+    assert!((facts.volume / ball(0.7) - 1.0).abs() < tolerance(0.7), "{}", facts.volume);
+    assert!(smallest_angle(&mesh) >= 29.9, "{}", smallest_angle(&mesh));
+    for (triangle, sides) in mesh.sides.iter().enumerate() {
+        let [a, b, c] = mesh.corners(triangle);
+        assert_eq!(*sides, [Label(1), Label::OUTSIDE]);
+        assert!((b - a).cross(c - a).dot(a + b + c) > 0.0);
+    }
+}
+
+#[test]
+fn a_ball_in_a_shell_has_two_surfaces() {
+    // Material 1 is the shell, so that between the two it is at the back.
+    let mesh = meshed(|point| {
+        let (inner, both) = (share(0.4 - point.length()), share(0.75 - point.length()));
+        vec![both - inner, inner]
+    });
+    let [shell, core] = &assert_sound(&mesh)[..] else { panic!("{:?}", mesh.labels()) };
+    assert_eq!((shell.components, shell.cavities, core.components), (2, 1, 1));
+    assert!((core.volume / ball(0.4) - 1.0).abs() < tolerance(0.4));
+    assert!(((shell.volume + core.volume) / ball(0.75) - 1.0).abs() < tolerance(0.75));
+    assert!(smallest_angle(&mesh) >= 29.9);
+}
+
+#[test]
+fn three_materials_meet_in_shared_curves() {
+    // A ball of three wedges around the z axis: inside, three planes meet in
+    // the axis; on the sphere, three meridians end at its poles.
+    let wedge = |point: DVec3, number: f64| {
+        let direction = DVec3::new((number * PI / 1.5).cos(), (number * PI / 1.5).sin(), 0.0);
+        point.dot(direction)
+    };
+    let mesh = meshed(|point| {
+        let inside = share(0.7 - point.length());
+        let leads: Vec<f64> =
+            (0..3).map(|number| (wedge(point, f64::from(number)) / VOXEL).exp()).collect();
+        let sum: f64 = leads.iter().sum();
+        leads.iter().map(|lead| inside * lead / sum).collect()
+    });
+    let facts = assert_sound(&mesh);
+    assert_eq!(facts.len(), 3);
+    for facts in &facts {
+        assert_eq!((facts.components, facts.genus), (1, 0));
+        // A wedge's two half discs, together π r² for a volume of 4/9 π r³,
+        // may be off by a tenth of a voxel, too.
+        let tolerance = tolerance(0.7) + 0.1 * VOXEL * 9.0 / (4.0 * 0.7);
+        assert!((facts.volume / (ball(0.7) / 3.0) - 1.0).abs() < tolerance, "{}", facts.volume);
+    }
+    let whole = mesh.surface_of(Label::is_material).volume();
+    let sum: f64 = facts.iter().map(|facts| facts.volume).sum();
+    assert!((whole - sum).abs() < 1e-12);
+    // Four curves: the axis, and three meridians from pole to pole.
+    let curves = curves::curves(&mesh);
+    assert_eq!(curves.len(), 4);
+    let length =
+        |curve: &Vec<DVec3>| curve.windows(2).map(|two| two[0].distance(two[1])).sum::<f64>();
+    let mut lengths: Vec<f64> = curves.iter().map(length).collect();
+    lengths.sort_by(f64::total_cmp);
+    // Outside wins where it has more than each material: at the axis, where
+    // they have a third of the inside each, from 3/4 of it on, that is 1.5
+    // voxels below the sphere; at the meridians from 2/3 on, one voxel below.
+    assert!((lengths[0] / (2.0 * (0.7 - 1.5 * VOXEL)) - 1.0).abs() < 0.03, "{lengths:?}");
+    for meridian in &lengths[1..] {
+        assert!((meridian / ((0.7 - VOXEL) * PI) - 1.0).abs() < 0.08, "{lengths:?}");
+    }
+}
+
+#[test]
+fn a_grain_beside_a_ball_is_not_missed() {
+    // One node of its own material share.
+    let grain = DVec3::new(0.8, 0.8, 0.8);
+    let mesh = meshed(|point| {
+        let node = point.distance(grain) < 0.1 * VOXEL;
+        vec![if node { 0.6 } else { share(0.7 - point.length()) }]
+    });
+    let facts = &assert_sound(&mesh)[0];
+    assert_eq!(facts.components, 2);
+}
+
+#[test]
+fn nothing_gives_nothing() {
+    assert_eq!(meshed(|_| vec![0.0]), Mesh::default());
+}
+
+#[test]
+fn absurd_options_are_an_error() {
+    let samples = sampled(|point| vec![share(0.7 - point.length())]);
+    let options = Options { size: 1e-9, ..Options::default() };
+    assert!(matches!(delaunay(&samples, &options, &Silent), Err(Error::Option(_))));
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let mesh = || meshed(|point| vec![share(0.5 - point.x.hypot(point.y).max(point.z.abs()))]);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    assert_eq!(pool(1).install(mesh), pool(4).install(mesh));
+}
