@@ -13,6 +13,8 @@
 #include <CGAL/version.h>
 #include <openvdb/version.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
@@ -92,6 +94,47 @@ std::vector<Component> components(const Polyhedron& mesh, const ComponentOf& com
   return components;
 }
 
+using Corners = std::array<Kernel::Point_3, 3>;
+
+Corners corners(const Polyhedron& mesh, Face face) {
+  const auto h = mesh.halfedge(face);
+  return {mesh.point(mesh.target(h)), mesh.point(mesh.target(mesh.next(h))),
+          mesh.point(mesh.source(h))};
+}
+
+// Puts the corners that two triangles have at the same places first, in the
+// same order. How many there are.
+int match(Corners& one, Corners& other) {
+  int count = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto same = std::find(other.begin() + count, other.end(), one[i]);
+    if (same == other.end()) continue;
+    std::swap(other[count], *same);
+    std::swap(one[count], one[i]);
+    ++count;
+  }
+  return count;
+}
+
+// Whether two triangles meet in a corner or an edge that both have, and nowhere
+// else. Decided exactly. From a common corner on, everything else that both
+// have leads out of one of them through the side opposite to it; two triangles
+// at a common edge meet elsewhere only when one is folded onto the other.
+bool only_touch(Corners one, Corners other) {
+  const Kernel::Triangle_3 first(one[0], one[1], one[2]), second(other[0], other[1], other[2]);
+  if (first.is_degenerate() || second.is_degenerate()) return false;
+  switch (match(one, other)) {
+    case 1:
+      return !CGAL::do_intersect(Kernel::Segment_3(one[1], one[2]), second) &&
+             !CGAL::do_intersect(Kernel::Segment_3(other[1], other[2]), first);
+    case 2:
+      return !CGAL::coplanar(one[0], one[1], one[2], other[2]) ||
+             CGAL::coplanar_orientation(one[0], one[1], one[2], other[2]) == CGAL::NEGATIVE;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 rust::String library_versions() {
@@ -117,7 +160,9 @@ uint64_t count_self_intersections(rust::Slice<const double> points,
   const Polyhedron mesh = polyhedron(points, triangles).first;
   std::vector<std::pair<Face, Face>> pairs;
   PMP::self_intersections(mesh, std::back_inserter(pairs));
-  return pairs.size();
+  return std::count_if(pairs.begin(), pairs.end(), [&mesh](const auto& pair) {
+    return !only_touch(corners(mesh, pair.first), corners(mesh, pair.second));
+  });
 }
 
 struct Tree::Impl {

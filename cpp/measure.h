@@ -15,7 +15,8 @@ struct Soup;
 rust::String library_versions();
 
 // Corner coordinates by threes, triangles by threes. Throws on an index out of
-// range.
+// range. Triangles that only touch in corners or edges at the same place, shared
+// or not, do not intersect.
 Facts measure(rust::Slice<const double> points, rust::Slice<const uint32_t> triangles);
 uint64_t count_self_intersections(rust::Slice<const double> points,
                                   rust::Slice<const uint32_t> triangles);

@@ -136,14 +136,34 @@ impl Bounds {
         self.size().length()
     }
 
+    /// Whether a point is inside or on a face.
+    pub fn contains(&self, point: DVec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
+    /// The face on or beyond which points all lie, up to `tolerance` world
+    /// units: twice the axis, and 1 more for the upper face.
+    pub fn common_face(&self, points: &[DVec3], tolerance: f64) -> Option<usize> {
+        let (min, max) = (self.min + tolerance, self.max - tolerance);
+        (0..6).find(|face| {
+            let (axis, is_upper) = (face / 2, face % 2 == 1);
+            points.iter().all(|point| match is_upper {
+                false => point[axis] <= min[axis],
+                true => point[axis] >= max[axis],
+            })
+        })
+    }
+
     /// Whether points all lie on or beyond one face, up to `tolerance` world
     /// units.
     pub fn on_one_face(&self, points: &[DVec3], tolerance: f64) -> bool {
-        let (min, max) = (self.min + tolerance, self.max - tolerance);
-        (0..3).any(|axis| {
-            points.iter().all(|point| point[axis] <= min[axis])
-                || points.iter().all(|point| point[axis] >= max[axis])
-        })
+        self.common_face(points, tolerance).is_some()
+    }
+
+    /// The point moved onto each face that it is nearer to than `tolerance`.
+    pub fn snapped(&self, point: DVec3, tolerance: f64) -> DVec3 {
+        let near = |face: DVec3| (point - face).abs().cmplt(DVec3::splat(tolerance));
+        DVec3::select(near(self.max), self.max, DVec3::select(near(self.min), self.min, point))
     }
 
     /// The product of the sides.

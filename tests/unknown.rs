@@ -24,7 +24,7 @@ fn reconstruct(sections: &[String], voxels: u32) -> Check {
     let mut stages = Stages::default();
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
-    let options = CheckOptions { self_intersections: false };
+    let options = CheckOptions::default();
     let check = check(
         &model.sections().sections,
         &derived.mesh,

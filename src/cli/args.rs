@@ -63,7 +63,7 @@ pub struct ReconstructArguments {
     /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it
     #[arg(long = "box", value_name = "LABEL", value_enum, default_value_t = BorderName::Outside)]
     pub border: BorderName,
-    /// Close surfaces where they leave the box; volumes are closed always
+    /// With --box unknown: close surfaces where they leave the box; volumes are closed always
     #[arg(long)]
     pub caps: bool,
     /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too

@@ -15,7 +15,7 @@ use crate::grid::lattice::Resolution;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
-use crate::label::Material;
+use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::model::{Derived, Mesher, Model, Options};
@@ -97,6 +97,10 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
 }
 
 fn options(arguments: &ReconstructArguments) -> Result<Options> {
+    let border: Label = arguments.border.into();
+    if arguments.caps && border != Label::UNKNOWN {
+        return Err(Error::Option("--caps needs --box unknown".to_owned()));
+    }
     let resolution = match (arguments.voxel_size, arguments.resolution) {
         (Some(size), _) => Resolution::VoxelSize(size),
         (None, Some(voxels)) => Resolution::Voxels(voxels),
@@ -106,7 +110,7 @@ fn options(arguments: &ReconstructArguments) -> Result<Options> {
         resolution,
         smooth: arguments.smooth,
         device: arguments.device.into(),
-        border: arguments.border.into(),
+        border,
         spacing: arguments.spacing,
         mesher: arguments.meshing.mesher()?,
     })

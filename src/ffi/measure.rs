@@ -48,8 +48,8 @@ mod bridge {
         /// Closedness, volume, area and topology of a triangle mesh.
         fn measure(points: &[f64], triangles: &[u32]) -> Result<Facts>;
 
-        /// How many pairs of triangles intersect other than in what they
-        /// share.
+        /// How many pairs of triangles intersect other than in a corner or an
+        /// edge that both have at the same place.
         fn count_self_intersections(points: &[f64], triangles: &[u32]) -> Result<u64>;
 
         /// Triangles arranged for distance queries, from any thread.

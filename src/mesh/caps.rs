@@ -13,8 +13,15 @@ impl Mesh {
     /// Whether a triangle is a cap of a box: outside is in front of it, and its
     /// corners lie on or beyond one face, up to `tolerance` world units.
     pub fn is_cap(&self, triangle: usize, bounds: Bounds, tolerance: f64) -> bool {
+        self.face_of_cap(triangle, bounds, tolerance).is_some()
+    }
+
+    /// The face of a box that a triangle is a cap in, as
+    /// [`Bounds::common_face`] numbers them.
+    pub fn face_of_cap(&self, triangle: usize, bounds: Bounds, tolerance: f64) -> Option<usize> {
         let outside = self.sides[triangle][1] == Label::OUTSIDE;
-        outside && bounds.on_one_face(&self.corners(triangle), tolerance)
+        let face = || bounds.common_face(&self.corners(triangle), tolerance);
+        outside.then(face).flatten()
     }
 
     /// The mesh without its caps and without the vertices that only these

@@ -30,8 +30,8 @@ pub struct Facts {
     pub genus: i64,
     /// Triangles of the surface.
     pub triangles: usize,
-    /// Pairs of triangles that intersect other than in what they share, when
-    /// that was asked for.
+    /// Pairs of triangles that intersect other than in a corner or an edge that
+    /// both have at the same place, when that was asked for.
     pub self_intersections: Option<u64>,
 }
 
@@ -140,18 +140,65 @@ mod tests {
         assert!(!surface.facts(false).unwrap().closed);
     }
 
-    #[test]
-    fn crossing_triangles_are_counted() {
-        // Two tetrahedra: one has its tip in the other.
-        let tetrahedron = |at: f64| [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| p + at);
-        let corners = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
-        let vertices = [tetrahedron(0.0), tetrahedron(0.1)].concat();
-        let second = corners.map(|triangle| triangle.map(|corner| corner + 4));
-        let surface = Surface { vertices, triangles: [corners, second].concat() };
+    /// The tetrahedron of an origin and three points around it, outward if they
+    /// turn counter-clockwise as seen from the far side.
+    fn tetrahedron(corners: [DVec3; 4]) -> Surface {
+        let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
+        Surface { vertices: corners.to_vec(), triangles }
+    }
+
+    /// Both, with vertices of their own.
+    fn self_intersections(one: &Surface, other: &Surface) -> Option<u64> {
+        let first = one.vertices.len() as u32;
+        let moved = other.triangles.iter().map(|triangle| triangle.map(|corner| corner + first));
+        let surface = Surface {
+            vertices: [&one.vertices[..], &other.vertices].concat(),
+            triangles: one.triangles.iter().copied().chain(moved).collect(),
+        };
         let facts = surface.facts(true).unwrap();
         assert!(facts.closed && facts.outward);
-        // The slanted face of the first meets the three other faces of the
-        // second.
-        assert_eq!(facts.self_intersections, Some(3));
+        facts.self_intersections
+    }
+
+    const UNIT: [DVec3; 4] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+
+    #[test]
+    fn crossing_triangles_are_counted() {
+        // Two tetrahedra: one has its tip in the other. The slanted face of the
+        // first meets the three other faces of the second.
+        let tip = UNIT.map(|corner| corner + 0.1);
+        assert_eq!(self_intersections(&tetrahedron(UNIT), &tetrahedron(tip)), Some(3));
+    }
+
+    #[test]
+    fn sheets_that_touch_in_common_corners_do_not_intersect() {
+        let unit = tetrahedron(UNIT);
+        // The origin alone.
+        let opposite = tetrahedron([DVec3::ZERO, -DVec3::Y, -DVec3::X, -DVec3::Z]);
+        assert_eq!(self_intersections(&unit, &opposite), Some(0));
+        // The edge from the origin to X; two faces of one lie in the planes of
+        // two of the other, on the other side of that edge.
+        let beside = tetrahedron([DVec3::ZERO, DVec3::X, -DVec3::Y, -DVec3::Z]);
+        assert_eq!(self_intersections(&unit, &beside), Some(0));
+    }
+
+    #[test]
+    fn sheets_with_common_corners_may_intersect_elsewhere() {
+        let unit = tetrahedron(UNIT);
+        // From the origin through the middle of the slanted face: its tip leaves
+        // through that face, crossed by the three sides of the other.
+        let spike = [[0.9, 1.0, 1.0], [1.0, 0.9, 1.0], [1.0, 1.0, 0.9]].map(DVec3::from);
+        let spike = tetrahedron([DVec3::ZERO, spike[0], spike[1], spike[2]]);
+        assert_eq!(self_intersections(&unit, &spike), Some(3));
+        // A common edge, and faces that lie on each other: in z = 0 and in y = 0.
+        let inner = tetrahedron([DVec3::ZERO, DVec3::X, 0.5 * DVec3::Y, 0.5 * DVec3::Z]);
+        assert!(self_intersections(&unit, &inner) >= Some(2));
+        // The very same triangles.
+        assert!(self_intersections(&unit, &unit) >= Some(4));
+        // A corner in the middle of the other's slanted face.
+        let centre = DVec3::splat(1.0 / 4.0).with_z(0.5);
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| centre + axis);
+        let resting = tetrahedron([centre, x, y, z]);
+        assert_eq!(self_intersections(&unit, &resting), Some(3));
     }
 }

@@ -156,7 +156,10 @@ impl UnknownPlane {
 
 /// ∫ dφ / ρ(φ) over an edge that has the origin on its left, 0 for others:
 /// with h the distance to its line and φ measured from the foot,
-/// ∫ cos φ / h dφ.
+/// ∫ cos φ / h dφ = (sin β − sin α) / h. With both ends on one side of the foot,
+/// a and b from it, the difference is h² (1/p² − 1/q²) / (sin α + sin β), where
+/// p² and q² differ by b² − a²: then no digits cancel, and what is seen edge on
+/// has no weight rather than any.
 fn seen(p: DVec2, q: DVec2) -> f64 {
     let d = q - p;
     let cross = p.perp_dot(d);
@@ -164,8 +167,12 @@ fn seen(p: DVec2, q: DVec2) -> f64 {
         return 0.0;
     }
     let length = d.length();
-    let sine = |end: DVec2| end.dot(d) / (length * end.length());
-    (sine(q) - sine(p)) * length / cross
+    let [a, b] = [p, q].map(|end| end.dot(d) / length);
+    let [sine_a, sine_b] = [a / p.length(), b / q.length()];
+    if a * b <= 0.0 {
+        return (sine_b - sine_a) * length / cross;
+    }
+    cross * (a + b) / (p.length_squared() * q.length_squared() * (sine_a + sine_b))
 }
 
 impl Known {
@@ -215,4 +222,34 @@ fn connected(triangles: &[(u32, [u32; 3])]) -> (Vec<u32>, Vec<(usize, [u32; 2])>
     };
     let rim = edges.chunk_by(|one, other| one.0 == other.0).filter_map(alone).collect();
     (parts, rim)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn an_edge_is_seen_in_front_and_not_from_behind() {
+        let [left, right] = [-1.0, 1.0].map(|x| DVec2::new(x, -1.0));
+        // From −45° to 45° at a distance of 1: 2 sin 45°.
+        assert!((seen(left, right) - 2f64.sqrt()).abs() < 1e-15);
+        assert_eq!(seen(right, left), 0.0);
+        // In parts, the second of which has both ends on one side of the foot.
+        let middle = DVec2::new(0.3, -1.0);
+        assert!((seen(left, middle) + seen(middle, right) - 2f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn an_edge_seen_edge_on_weighs_nothing() {
+        for step in 0..1000 {
+            let direction = DVec2::from_angle(f64::from(step) / 1000.0 * 2.0 * PI);
+            // Rounded, these are on a line with the origin or just beside it.
+            for [p, q] in [[0.7, 1.9], [-1.9, -0.7]].map(|ends| ends.map(|at| at * direction)) {
+                let weight = seen(p, q);
+                assert!((0.0..1e-15).contains(&weight), "{weight}");
+            }
+        }
+    }
 }

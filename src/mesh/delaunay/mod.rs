@@ -26,6 +26,10 @@
 //! point is ever nearer than that to another one; and there is a limit to the
 //! number of points.
 //!
+//! In an open box, the rims of the caps and the edges of the box between two
+//! caps are curves like those where labels meet, and vertices of caps are put
+//! onto the box's faces.
+//!
 //! Refinement runs on one thread: CGAL's parallel variant gives another mesh
 //! on every run.
 
@@ -37,11 +41,12 @@ mod seeds;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::caps::CAP_TOLERANCE;
 use super::nearest::{Nearest, flat};
 use super::{Mesh, back_and_front};
 use crate::error::{Error, Result};
 use crate::ffi::delaunay::{self as ffi, Criteria, Facets, Features};
-use crate::grid::samples::Samples;
+use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
 use crate::progress::Progress;
 use oracle::Oracle;
@@ -94,25 +99,38 @@ pub fn delaunay(samples: &Samples, options: &Options, progress: &dyn Progress) -
         return Ok(dual);
     }
     progress.begin("refinement", 0);
-    let oracle = Oracle::new(samples, &dual);
-    let lattice = samples.lattice;
-    dual.vertices
-        .par_iter_mut()
-        .for_each(|point| *point = (*point - lattice.origin) / lattice.voxel);
-    let mut mesh = complete(&dual, &oracle, lattice.dims, options)?;
-    mesh.vertices.par_iter_mut().for_each(|point| *point = lattice.origin + lattice.voxel * *point);
+    let oracle = match samples.open {
+        None => Oracle::new(samples, &dual),
+        Some(open) => Oracle::new(samples, &dual.without_caps(open, 0.0)),
+    };
+    let mut curves = curves::curves(&dual, samples.open);
+    let Lattice { origin, voxel, dims } = samples.lattice;
+    let points = dual.vertices.iter_mut().chain(curves.iter_mut().flatten());
+    points.for_each(|point| *point = (*point - origin) / voxel);
+    let mut mesh = complete(&dual, &oracle, &curves, dims, options)?;
+    mesh.vertices.par_iter_mut().for_each(|point| {
+        *point = origin + voxel * *point;
+        if let Some(open) = samples.open {
+            *point = open.snapped(*point, CAP_TOLERANCE * voxel);
+        }
+    });
     Ok(mesh)
 }
 
 /// Refines until no vertex of the dual mesh is far and no edge is pinched:
 /// there, something thin needs more seeds. Everything in lattice units.
-fn complete(dual: &Mesh, oracle: &Oracle, dims: [i32; 3], options: &Options) -> Result<Mesh> {
+fn complete(
+    dual: &Mesh,
+    oracle: &Oracle,
+    curves: &[Vec<DVec3>],
+    dims: [i32; 3],
+    options: &Options,
+) -> Result<Mesh> {
     let criteria = criteria(dual, options)?;
-    let curves = curves::curves(dual);
     let mut seeds = seeds::seeds(dual, oracle, SEED_SPACING * options.size);
     let mut round = 1;
     loop {
-        let facets = refined(&seeds, &curves, oracle, dims, &criteria)?;
+        let facets = refined(&seeds, curves, oracle, dims, &criteria)?;
         let mut mesh = network(&facets);
         let far = far_vertices(dual, &mesh)?;
         if round == ROUNDS || (far.is_empty() && facets.rings.is_empty()) {

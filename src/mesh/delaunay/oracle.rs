@@ -11,9 +11,14 @@
 //! A node between two of other labels is in something one voxel thick, which
 //! the dual mesh may squeeze to nothing; there |d_l| is at least [`THIN`], so
 //! that what is left of it can be sampled.
+//!
+//! An open box is cut out of what would be there without it: the dual mesh has
+//! no caps, and nodes beyond the box have the labels and distances of the
+//! nearest ones inside, as in the samples.
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::grid::distance::{HALF_WIDTH, NarrowBand, narrow_band};
@@ -21,6 +26,7 @@ use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, Samples};
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::dual::patch::{Leaves, Patch};
+use crate::plane::Bounds;
 
 /// The least distance to the surface of a node in something thin, in voxels.
 const THIN: f32 = 0.25;
@@ -30,6 +36,8 @@ pub struct Oracle {
     /// Leaves along each axis.
     dims: [i32; 3],
     blocks: Vec<Block>,
+    /// Everything beyond is outside; in lattice units.
+    open: Option<Bounds>,
 }
 
 /// The cells that start in one leaf.
@@ -54,23 +62,34 @@ struct Part {
 }
 
 impl Oracle {
-    /// The oracle of samples and of the dual mesh made from them.
+    /// The oracle of samples and of the dual mesh made from them, without caps.
     pub fn new(samples: &Samples, dual: &Mesh) -> Self {
         let labels = samples.leaves.par_iter().map(Leaf::labels).collect();
         let leaves = Leaves::new(samples, labels);
-        let borders = Borders::new(&leaves, dual, &samples.lattice);
+        let borders = Borders::new(samples, &leaves, dual);
         let blocks = (0..leaves.count())
             .into_par_iter()
             .map(|place| match Patch::gather(&leaves, leaves.at(place)) {
                 None => Block::Uniform(samples.tiles[place]),
-                Some(patch) => Block::Mixed(Cells::new(&patch, leaves.at(place), &borders)),
+                Some(patch) => {
+                    Block::Mixed(Cells::new(&patch.extended(), leaves.at(place), &borders))
+                }
             })
             .collect();
-        Self { dims: leaves.dims(), blocks }
+        let Lattice { origin, voxel, .. } = samples.lattice;
+        let open = samples.open.map(|Bounds { min, max }| Bounds {
+            min: (min - origin) / voxel,
+            max: (max - origin) / voxel,
+        });
+        Self { dims: leaves.dims(), blocks, open }
     }
 
-    /// The label at a point in lattice units; off the lattice it is outside.
+    /// The label at a point in lattice units; off the lattice and beyond an open
+    /// box it is outside.
     pub fn label_at(&self, point: [f64; 3]) -> Label {
+        if self.open.is_some_and(|open| !open.contains(DVec3::from_array(point))) {
+            return Label::OUTSIDE;
+        }
         let cell = point.map(f64::floor);
         let at = cell.map(|node| (node / LEAF_SIDE as f64).floor());
         if (0..3).any(|axis| !(0.0..f64::from(self.dims[axis])).contains(&at[axis])) {
@@ -152,38 +171,43 @@ fn cell_labels(patch: &Patch, cell: usize) -> Vec<Label> {
 
 /// Distances to the boundary of every label in the dual mesh.
 struct Borders<'a> {
+    samples: &'a Samples,
     leaves: &'a Leaves<'a>,
     of: BTreeMap<Label, NarrowBand>,
 }
 
 impl<'a> Borders<'a> {
-    fn new(leaves: &'a Leaves, dual: &Mesh, lattice: &Lattice) -> Self {
+    fn new(samples: &'a Samples, leaves: &'a Leaves, dual: &Mesh) -> Self {
         let mut labels = dual.labels();
         labels.push(Label::OUTSIDE);
         let band = |label| {
             let triangles = dual.triangles_around(|side| side == label);
-            narrow_band(lattice, &dual.vertices, &triangles)
+            narrow_band(&samples.lattice, &dual.vertices, &triangles)
         };
-        Self { leaves, of: labels.into_iter().map(|label| (label, band(label))).collect() }
+        let of = labels.into_iter().map(|label| (label, band(label))).collect();
+        Self { samples, leaves, of }
     }
 
     /// The distance, in voxels, of a node to the boundary of a label; where it
     /// is beyond the band, the band's width.
     fn distance(&self, label: Label, at: [i32; 3], node: [usize; 3]) -> f32 {
-        let leaf = std::array::from_fn(|axis| at[axis] + (node[axis] / LEAF_SIDE) as i32);
+        let mut node: [i32; 3] =
+            std::array::from_fn(|axis| at[axis] * LEAF_SIDE as i32 + node[axis] as i32);
+        if self.samples.open.is_some() {
+            node = self.samples.lattice.nearest_inner(node);
+        }
         let found = self.of.get(&label).and_then(|band| {
+            let leaf = node.map(|along| along.div_euclid(LEAF_SIDE as i32));
             let place = band.leaves.binary_search(&leaf).ok()?;
-            let [x, y, z] = node.map(|offset| offset % LEAF_SIDE);
+            let [x, y, z] = node.map(|along| along.rem_euclid(LEAF_SIDE as i32) as usize);
             Some(band.values[place * LEAF_NODES + (x * LEAF_SIDE + y) * LEAF_SIDE + z].abs())
         });
-        let least = if self.is_thin(at, node) { THIN } else { 0.0 };
+        let least = if self.is_thin(node) { THIN } else { 0.0 };
         found.unwrap_or(HALF_WIDTH as f32).max(least)
     }
 
     /// Whether a node lies between two of other labels.
-    fn is_thin(&self, at: [i32; 3], node: [usize; 3]) -> bool {
-        let node: [i32; 3] =
-            std::array::from_fn(|axis| at[axis] * LEAF_SIDE as i32 + node[axis] as i32);
+    fn is_thin(&self, node: [i32; 3]) -> bool {
         let label = self.leaves.label(node);
         (0..3).any(|axis| {
             [-1, 1].into_iter().all(|step| {

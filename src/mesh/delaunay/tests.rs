@@ -3,7 +3,8 @@ use std::f64::consts::PI;
 use super::*;
 use crate::grid::samples::Lattice;
 use crate::mesh::facts::Facts;
-use crate::mesh::shapes::{assert_edge_manifold, samples};
+use crate::mesh::shapes::{assert_edge_manifold, cylinder, open_samples, samples};
+use crate::plane::Bounds;
 use crate::progress::Silent;
 
 const NODES: i32 = 41;
@@ -118,7 +119,7 @@ fn three_materials_meet_in_shared_curves() {
     let sum: f64 = facts.iter().map(|facts| facts.volume).sum();
     assert!((whole - sum).abs() < 1e-12);
     // Four curves: the axis, and three meridians from pole to pole.
-    let curves = curves::curves(&mesh);
+    let curves = curves::curves(&mesh, None);
     assert_eq!(curves.len(), 4);
     let length =
         |curve: &Vec<DVec3>| curve.windows(2).map(|two| two[0].distance(two[1])).sum::<f64>();
@@ -162,4 +163,65 @@ fn the_number_of_threads_does_not_matter() {
     let mesh = || meshed(|point| vec![share(0.5 - point.x.hypot(point.y).max(point.z.abs()))]);
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     assert_eq!(pool(1).install(mesh), pool(4).install(mesh));
+}
+
+/// Neither the lattice nor the leaves divide it evenly.
+const OPEN: Bounds = Bounds { min: DVec3::new(-1.0, -1.0, -0.73), max: DVec3::new(1.0, 1.0, 0.9) };
+
+/// The area of the caps, which lie flat in the box's faces, and that of the
+/// rest, which ends on them.
+fn areas(mesh: &Mesh, voxel: f64) -> [f64; 2] {
+    let mut areas = [0.0; 2];
+    for triangle in 0..mesh.triangles.len() {
+        let cap = mesh.face_of_cap(triangle, OPEN, CAP_TOLERANCE * voxel);
+        let corners = mesh.corners(triangle);
+        // It is there without any tolerance.
+        assert_eq!(cap, mesh.face_of_cap(triangle, OPEN, 0.0), "{corners:?}");
+        let [a, b, c] = corners;
+        areas[usize::from(cap.is_none())] += (b - a).cross(c - a).length() / 2.0;
+    }
+    let open = mesh.without_caps(OPEN, CAP_TOLERANCE * voxel);
+    for label in open.labels() {
+        let surface = open.surface(label);
+        for edge in surface.open_edges() {
+            let ends = edge.map(|vertex| surface.vertices[vertex as usize]);
+            assert!(OPEN.on_one_face(&ends, 0.0), "{ends:?}");
+        }
+    }
+    areas
+}
+
+#[test]
+fn a_cylinder_ends_flat_on_an_open_box() {
+    let (radius, voxels) = (0.61, 40);
+    let voxel = 2.0 / f64::from(voxels);
+    let samples = open_samples(OPEN, voxels, cylinder(radius, voxel));
+    let mesh = delaunay(&samples, &Options::default(), &Silent).unwrap();
+    let facts = &assert_sound(&mesh)[0];
+    assert_eq!((facts.components, facts.genus), (1, 0));
+    // A tenth of a voxel on the radius is 2 · 0.1 · 0.05 / 0.61 of the area.
+    let disc = PI * radius * radius;
+    assert!((facts.volume / (disc * 1.63) - 1.0).abs() < 0.017, "{}", facts.volume);
+    let [caps, rest] = areas(&mesh, voxel);
+    assert!((caps / (2.0 * disc) - 1.0).abs() < 0.017, "{caps}");
+    assert!((rest / (2.0 * PI * radius * 1.63) - 1.0).abs() < 0.017, "{rest}");
+    assert!(smallest_angle(&mesh) > 10.0, "{}", smallest_angle(&mesh));
+}
+
+#[test]
+fn two_materials_fill_an_open_box_to_its_corners() {
+    let samples = open_samples(OPEN, 21, |point| {
+        let first = (0.13 - point.x - 0.3 * point.y).clamp(-1.0, 1.0) as f32;
+        vec![first, -first]
+    });
+    let mesh = delaunay(&samples, &Options::default(), &Silent).unwrap();
+    let facts = assert_sound(&mesh);
+    let volume = OPEN.volume();
+    assert!(((facts[0].volume + facts[1].volume) / volume - 1.0).abs() < 1e-9);
+    // The plane x = 0.13 − 0.3 y divides the box's sides 2 at 0.13 on average.
+    assert!((facts[0].volume / volume - 1.13 / 2.0).abs() < 5e-3, "{}", facts[0].volume);
+    let [caps, rest] = areas(&mesh, 2.0 / 21.0);
+    // Faces of 2 × 2 and 2 × 1.63, twice and four times.
+    assert!((caps / (8.0 + 4.0 * 3.26) - 1.0).abs() < 1e-9, "{caps}");
+    assert!((rest / (2.0 * 1.09f64.sqrt() * 1.63) - 1.0).abs() < 1e-2, "{rest}");
 }

@@ -127,6 +127,16 @@ impl<'a> Patch<'a> {
         Some(patch)
     }
 
+    /// The patch with the samples' labels beyond an open box, too: as if
+    /// materials went on there.
+    pub fn extended(mut self) -> Self {
+        for node in (0..self.labels.len()).filter(|_| self.open) {
+            let place = [node / SIDE / SIDE, node / SIDE % SIDE, node % SIDE];
+            self.labels[node] = self.sampled_label(place);
+        }
+        self
+    }
+
     /// Whether the edge between two nodes leads out of an open box: the
     /// polygon around it is a cap.
     pub fn leaves_box(&self, low: [usize; 3], high: [usize; 3]) -> bool {

@@ -1,0 +1,229 @@
+//! The options of the command line: what each of them changes.
+
+#[path = "common/program.rs"]
+mod program;
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use program::*;
+use serde_json::Value;
+use transect::io::mesh::read_mesh;
+use transect::label::Label;
+
+/// Reconstructs a file of the corpus.
+fn reconstruct_small(sections: &str, output: &Path, more: &[&str]) -> Output {
+    let mut command = transect();
+    command.arg("reconstruct").arg(repository("tests/corpus").join(sections));
+    run(command.args(["--resolution", "24"]).args(more).arg("-o").arg(output))
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_slice(&fs::read(path).expect("it exists")).expect("JSON")
+}
+
+/// Counters of a stage in a report.
+fn counts<'a>(report: &'a Value, stage: &str) -> &'a Value {
+    let stages = report["stages"].as_array().expect("stages");
+    &stages.iter().find(|found| found["name"] == stage).expect("the stage")["counts"]
+}
+
+/// Whether a mesh is closed, by what `slice` says.
+fn is_closed(mesh: &Path) -> bool {
+    let mut command = transect();
+    command.args(["slice", "--quiet", "--plane", "0,0,1,0"]).arg(mesh);
+    let output = run(command.arg("-o").arg(mesh.with_extension("json")));
+    if !output.status.success() {
+        assert_refused(&output, &["not closed"]);
+    }
+    output.status.success()
+}
+
+#[test]
+fn facets_are_as_fine_as_asked_for() {
+    let folder = folder();
+    let mesh = |name: &str, more: &[&str]| {
+        let path = folder.path().join(name);
+        let more = [&["--mesher", "delaunay", "--quiet"], more].concat();
+        assert_done(&reconstruct_small("organs.csl", &path, &more));
+        assert!(is_closed(&path), "{name}");
+        read_mesh(&path).expect("a mesh")
+    };
+    let usual = mesh("usual.ply", &[]);
+    let coarse = mesh("coarse.ply", &["--facet-size", "6", "--facet-distance", "1"]);
+    let small = mesh("small.ply", &["--facet-size", "0.5"]);
+    let near = mesh("near.ply", &["--facet-distance", "0.02"]);
+    let blunt = mesh("blunt.ply", &["--facet-angle", "1", "--facet-distance", "0.02"]);
+    let count = |mesh: &transect::mesh::Mesh| mesh.triangles.len();
+    assert!(2 * count(&coarse) < count(&usual), "{} {}", count(&coarse), count(&usual));
+    assert!(2 * count(&usual) < count(&small), "{} {}", count(&usual), count(&small));
+    assert!(count(&usual) < count(&near), "{} {}", count(&usual), count(&near));
+    assert!(count(&blunt) < count(&near), "{} {}", count(&blunt), count(&near));
+}
+
+#[test]
+fn facets_are_the_delaunay_meshers_own() {
+    let folder = folder();
+    let refused = |more: &[&str], words: &[&str]| {
+        assert_refused(&reconstruct(folder.path(), &["a.ply"], more), words);
+    };
+    for option in ["--facet-angle", "--facet-size", "--facet-distance"] {
+        refused(&[option, "1"], &[option, "--mesher delaunay"]);
+        refused(&["--mesher", "dual", option, "1"], &[option, "--mesher delaunay"]);
+        for value in ["0", "-1", "nan", "x"] {
+            let more = ["--mesher", "delaunay", option, value];
+            let output = reconstruct(folder.path(), &["a.ply"], &more);
+            assert_eq!(output.status.code(), Some(2), "{option} {value}");
+        }
+    }
+    let steep = ["--mesher", "delaunay", "--facet-angle", "31"];
+    assert_eq!(reconstruct(folder.path(), &["a.ply"], &steep).status.code(), Some(2));
+    let tiny = ["--mesher", "delaunay", "--facet-size", "1e-9"];
+    refused(&tiny, &["--facet-size", "larger"]);
+    assert!(entries(folder.path()).is_empty());
+}
+
+#[test]
+fn in_an_open_box_caps_are_made_on_request() {
+    let folder = folder();
+    let report = |name: &str, more: &[&str]| {
+        let path = folder.path().join(name).with_extension("report.json");
+        let text = path.to_str().expect("a path in UTF-8");
+        let more = [&["--quiet", "--report", text], more].concat();
+        let output = reconstruct_small("square.csl", &folder.path().join(name), &more);
+        assert_done(&output);
+        json(&path)["check"]["labels"][0].clone()
+    };
+    for mesher in ["dual", "delaunay"] {
+        let open = ["--mesher", mesher, "--box", "unknown"];
+        let capped = ["--mesher", mesher, "--box", "unknown", "--caps"];
+        let [closed, open, capped] = [
+            report("closed.ply", &["--mesher", mesher]),
+            report("open.ply", &open),
+            report("capped.ply", &capped),
+        ];
+        let closed_files = ["closed.ply", "open.ply", "capped.ply"]
+            .map(|name| is_closed(&folder.path().join(name)));
+        assert_eq!(closed_files, [true, false, true], "{mesher}");
+        let number = |label: &Value, name: &str| label[name].as_f64().expect("a number");
+        assert_eq!((&open["closed"], &open["open_at_box"]), (&false.into(), &true.into()));
+        assert_eq!((&capped["closed"], &capped["outward"]), (&true.into(), &true.into()));
+        assert!(number(&open, "open_edges") > 0.0);
+        // The square ends at the box in place of a rounded end in it.
+        assert_eq!(number(&open, "volume"), number(&capped, "volume"));
+        assert!(number(&capped, "volume") > number(&closed, "volume"));
+        assert!(number(&open, "area") < number(&capped, "area"));
+    }
+}
+
+#[test]
+fn caps_need_an_open_box() {
+    let folder = folder();
+    for more in [&["--caps"][..], &["--caps", "--box", "outside"]] {
+        assert_refused(&reconstruct(folder.path(), &["a.ply"], more), &["--caps", "--box unknown"]);
+    }
+    assert!(entries(folder.path()).is_empty());
+}
+
+#[test]
+fn spacing_says_how_finely_unknown_regions_are_completed() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let mut mask = transect();
+    mask.arg("mask").arg(phantom()).args(["--blobs", "0.2", "--seed", "3"]);
+    assert_done(&run(mask.arg("-o").arg(path("noisy.json"))));
+    let corners = |spacing: &str| {
+        let mut command = transect();
+        command.arg("reconstruct").arg(path("noisy.json")).args(COARSE).args(["--quiet"]);
+        command.args(["--spacing", spacing]).arg("--report").arg(path("report.json"));
+        assert_done(&run(command.arg("-o").arg(path("a.ply"))));
+        counts(&json(&path("report.json")), "completion")["corners"].as_u64().expect("a count")
+    };
+    // Units are millimetres; the box is 400 long.
+    let (coarse, fine) = (corners("60"), corners("12"));
+    assert!(2 * coarse < fine, "{coarse} {fine}");
+    for spacing in ["0", "-3", "inf"] {
+        let output = reconstruct(folder.path(), &["b.ply"], &["--spacing", spacing]);
+        assert_eq!(output.status.code(), Some(2), "{spacing}");
+    }
+}
+
+#[test]
+fn an_unknown_label_that_does_not_occur_is_a_warning_and_with_strict_an_error() {
+    let folder = folder();
+    let output = folder.path().join("a.ply");
+    let organs = |more: &[&str]| reconstruct_small("organs.csl", &output, more);
+    let what = "label 7 is given as unknown but does not occur";
+    let strict = organs(&["--unknown-label", "7", "--strict"]);
+    assert_refused(&strict, &["organs.csl", what, "--unknown-label"]);
+    assert!(entries(folder.path()).is_empty());
+    let missing = organs(&["--unknown-label", "7"]);
+    assert_done(&missing);
+    assert!(stderr(&missing).contains(&format!("warning: {what}")), "{}", stderr(&missing));
+    assert_eq!(read_mesh(&output).expect("a mesh").labels(), [1, 2, 4].map(Label));
+    let found = organs(&["--unknown-label", "4", "--strict"]);
+    assert_done(&found);
+    assert!(!stderr(&found).contains("warning"), "{}", stderr(&found));
+    assert_eq!(read_mesh(&output).expect("a mesh").labels(), [1, 2].map(Label));
+}
+
+#[test]
+fn what_cannot_be_masked_is_refused() {
+    let folder = folder();
+    let mask = |sections: &str, more: &[&str]| {
+        let mut command = transect();
+        command.arg("mask").arg(repository("tests/corpus").join(sections)).args(more);
+        run(command.arg("-o").arg(folder.path().join("a.json")))
+    };
+    for fraction in ["0", "1", "-0.1", "nan", "half"] {
+        let output = mask("square.csl", &["--blobs", fraction]);
+        assert_eq!(output.status.code(), Some(2), "{fraction}");
+    }
+    assert_refused(&mask("missing.csl", &["--blobs", "0.2"]), &["missing.csl", "no such file"]);
+    assert_refused(&mask("none.csl", &["--blobs", "0.2"]), &["none.csl", "no section"]);
+    assert!(entries(folder.path()).is_empty());
+}
+
+#[test]
+fn a_section_without_contours_has_no_blobs_but_a_frame() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let bare = r#"{"transect": "sections", "version": 1,
+                   "sections": [{"normal": [0, 0, 1], "offset": 0, "loops": []}]}"#;
+    fs::write(path("bare.json"), bare).expect("a file");
+    for (option, value, beyond) in [("--blobs", "0.2", 0), ("--extent", "3,2", 1)] {
+        let mut mask = transect();
+        mask.arg("mask").arg(path("bare.json")).args([option, value]);
+        assert_done(&run(mask.arg("-o").arg(path("masked.json"))));
+        let output = run(transect().args(["inspect", "--json"]).arg(path("masked.json")));
+        let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(found["unknown"].as_array().expect("a list").len(), beyond, "{option}");
+    }
+}
+
+#[test]
+fn grids_are_those_that_were_asked_for() {
+    let folder = folder();
+    let grids = |names: &str| {
+        assert_done(&reconstruct(folder.path(), &["a.vdb"], &["--quiet", "--grids", names]));
+        // Their names stand in the file as they are.
+        let bytes = fs::read(folder.path().join("a.vdb")).expect("it exists");
+        ["surface", "density", "evidence", "margin", "indicator_3"]
+            .map(|name| bytes.windows(name.len()).any(|window| window == name.as_bytes()))
+    };
+    assert_eq!(grids("surface,evidence,margin"), [true, false, true, true, false]);
+    assert_eq!(grids("density,indicator_3"), [false, true, false, false, true]);
+}
+
+#[test]
+fn an_stl_file_for_each_label_has_its_closed_surface() {
+    let folder = folder();
+    let path = folder.path().join("organ_{label}.stl");
+    assert_done(&reconstruct_small("organs.csl", &path, &["--quiet"]));
+    let names = entries(folder.path());
+    assert_eq!(names, ["organ_1.stl", "organ_2.stl", "organ_4.stl"]);
+    for name in names {
+        assert!(is_closed(&folder.path().join(name)));
+    }
+}
