@@ -95,10 +95,22 @@ double area(const FaceHandle& face) {
   return CGAL::area(face->vertex(0)->point(), face->vertex(1)->point(), face->vertex(2)->point());
 }
 
+// Whether a face is nothing but rounding: points of a straight border that are
+// not quite on a line.
+bool is_needle(const FaceHandle& face) {
+  double longest = 0;
+  for (int side = 0; side < 3; ++side) {
+    longest = std::max(longest, CGAL::squared_distance(face->vertex(side)->point(),
+                                                       face->vertex((side + 1) % 3)->point()));
+  }
+  return area(face) <= 1e-9 * longest;
+}
+
 // The region that connected faces lie in, by the middle of the widest one.
 Index region_of(const std::vector<FaceHandle>& faces, const Borders& borders) {
   const auto widest = *std::max_element(
       faces.begin(), faces.end(), [](const auto& a, const auto& b) { return area(a) < area(b); });
+  if (is_needle(widest)) return none;
   const Point middle = CGAL::centroid(widest->vertex(0)->point(), widest->vertex(1)->point(),
                                       widest->vertex(2)->point());
   for (const auto& [region, segments] : borders) {

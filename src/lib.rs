@@ -12,8 +12,8 @@
 //! - a [`section::Section`] is valid by construction: its edges meet only in
 //!   vertices, and every region has one label, decided exactly;
 //! - an [`arrangement::Arrangement`] passes its `sanity_check` on every run;
-//! - a [`field::Field`] reproduces constants: where one label borders a cell
-//!   its value is 1 exactly;
+//! - a [`field::Field`] reproduces constants: where one label borders a cell,
+//!   or a group of cells joined through unknown regions, its value is 1 exactly;
 //! - in [`grid::samples::Samples`] every node of the lattice has a label, and
 //!   the outermost nodes are outside;
 //! - in a [`mesh::Mesh`] every label's boundary is closed, oriented outward,

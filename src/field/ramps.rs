@@ -26,7 +26,7 @@ use glam::DVec2;
 
 /// Below this part of its longest side squared, a triangle's area is
 /// rounding, and the shares are not taken to change across it.
-const NEEDLE: f64 = 1e-9;
+pub(super) const NEEDLE: f64 = 1e-9;
 
 /// Triangles on one face, by their edges.
 #[derive(Debug, Clone, Default)]

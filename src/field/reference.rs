@@ -4,6 +4,7 @@
 use glam::{DVec2, DVec3};
 
 use super::boundaries::{self, Boundaries};
+use super::ramps::NEEDLE;
 use super::{Field, Queries, bug};
 use crate::arrangement;
 use crate::error::Result;
@@ -152,7 +153,7 @@ impl Face {
             face.edges.push(edge);
         }
         let slots = boundary.completion.slots(boundary.labels);
-        for corners in boundary.triangles(index) {
+        for corners in boundary.triangles(index).filter(|corners| !is_needle(corners)) {
             let shares = corners.map(|(corner, _)| {
                 slots.iter().map(|&slot| boundary.completion.share(corner, slot)).collect()
             });
@@ -178,6 +179,14 @@ impl Triangle {
             }
         }
     }
+}
+
+/// Whether a triangle is nothing but rounding.
+fn is_needle(corners: &[(u32, DVec3); 3]) -> bool {
+    let [a, b, c] = corners.map(|(_, point)| point);
+    let sides = [b - a, c - b, a - c];
+    let longest = sides.iter().map(|side| side.length_squared()).fold(0.0, f64::max);
+    sides[0].cross(sides[1]).length() <= NEEDLE * longest
 }
 
 /// Ju et al.'s weights of the corners v_i of a triangle as seen from the origin

@@ -36,6 +36,8 @@ mod groups;
 mod outline;
 mod plane;
 mod sweep;
+#[cfg(test)]
+mod tests;
 
 use groups::{groups, has_unknown};
 use plane::UnknownPlane;

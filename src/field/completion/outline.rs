@@ -266,9 +266,10 @@ mod tests {
         let mut outlines = Outlines::default();
         outlines.add(0, [start, end], None, 0.3);
         let points = outlines.points.len();
-        assert_eq!(points, 7);
+        // A length of 1.81 makes seven pieces.
+        assert_eq!(points, 8);
         outlines.add(1, [end, start], Some(Label(1)), 0.3);
         assert_eq!(outlines.points.len(), points);
-        assert_eq!(outlines.labels.len(), 6);
+        assert_eq!(outlines.labels.len(), 7);
     }
 }
