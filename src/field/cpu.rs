@@ -185,8 +185,9 @@ impl Job<'_> {
     fn run_lanes<const N: usize, const FMA: bool>(self) {
         let labels = self.cell.labels.len();
         let mut weights = vec![[0.0; N]; labels];
+        let mut scratch = Vec::new();
         for (points, values) in self.points.chunks(N).zip(self.values.chunks_mut(N * labels)) {
-            kernel::weights::<N, FMA>(self.cell, self.part, points, &mut weights);
+            kernel::weights::<N, FMA>(self.cell, self.part, points, &mut scratch, &mut weights);
             for (lane, values) in values.chunks_exact_mut(labels).enumerate() {
                 for (value, weight) in values.iter_mut().zip(&weights) {
                     *value = weight[lane];

@@ -1,11 +1,13 @@
 //! The evaluation of one cell for a block of points, one point per lane.
+//!
+//! There are loops where iterators would be shorter: what is handed a closure
+//! may become a function of its own, which is compiled without the caller's
+//! vector instructions.
 
 use glam::DVec3;
 
 use super::lanes::Lanes;
-use super::packing::{
-    BORDER, Chain, Frame, PackedCell, PackedEdge, PackedFace, PackedRamp, Part, split,
-};
+use super::packing::{BORDER, Chain, Frame, PackedCell, PackedEdge, PackedFace, Part, split};
 
 /// A block's feet on a plane.
 struct Feet<const N: usize, const FMA: bool> {
@@ -19,7 +21,7 @@ struct Feet<const N: usize, const FMA: bool> {
 
 /// A vertex as seen from a block's feet.
 #[derive(Clone, Copy)]
-struct Corner<const N: usize, const FMA: bool> {
+pub(super) struct Corner<const N: usize, const FMA: bool> {
     p: [Lanes<N, FMA>; 2],
     /// ‖p‖² + γ².
     r_squared: Lanes<N, FMA>,
@@ -27,12 +29,14 @@ struct Corner<const N: usize, const FMA: bool> {
 }
 
 /// W_l of every label l of a cell, up to a common factor, for up to `N`
-/// points; the lanes beyond them repeat the last one.
+/// points; the lanes beyond them repeat the last one. What `scratch` holds does
+/// not matter.
 #[inline(always)]
 pub(super) fn weights<const N: usize, const FMA: bool>(
     cell: &PackedCell,
     part: Part,
     points: &[DVec3],
+    scratch: &mut Vec<Corner<N, FMA>>,
     weights: &mut [[f32; N]],
 ) {
     let Some(last) = points.len().checked_sub(1) else { return };
@@ -47,7 +51,7 @@ pub(super) fn weights<const N: usize, const FMA: bool>(
                 add_chains(cell, face, &feet, weights);
             }
             if unknown {
-                add_ramps(cell, part, face, &feet, weights);
+                add_ramps(cell, part, face, &feet, scratch, weights);
             }
         }
     }
@@ -78,17 +82,32 @@ fn add_ramps<const N: usize, const FMA: bool>(
     part: Part,
     face: &PackedFace,
     feet: &Feet<N, FMA>,
+    corners: &mut Vec<Corner<N, FMA>>,
     weights: &mut [[f32; N]],
 ) {
-    let mut inverse = Lanes::<N, FMA>(feet.gamma).reciprocal();
+    let gamma = Lanes(feet.gamma);
+    let gamma_squared = gamma * gamma;
+    corners.clear();
+    for corner in &cell.corners[face.corners()] {
+        corners.push(feet.corner(corner.at, corner.rest, gamma_squared));
+    }
+    let mut inverse = gamma.reciprocal();
     if part != Part::All {
         // Two unknown regions that meet on a line would see nothing there but
         // each other.
-        inverse = Lanes::<N, FMA>(feet.gamma)
-            .map(|gamma| if gamma > cell.clearance { 1.0 / gamma } else { 0.0 });
+        inverse = gamma.map(|gamma| if gamma > cell.clearance { 1.0 / gamma } else { 0.0 });
     }
-    for ramp in &cell.ramps[face.first_ramp as usize..face.end_ramp as usize] {
-        let [constant, along, across] = feet.ramp_terms(ramp).map(|term| term * inverse);
+    for ramp in &cell.ramps[face.ramps()] {
+        let (start, end) = (&corners[ramp.ends[0] as usize], &corners[ramp.ends[1] as usize]);
+        let Angle { ratio, cross, c_squared } =
+            angle(start, end, ramp.span, ramp.span_squared, gamma_squared);
+        let ratio = ratio * inverse;
+        // What a share of one at the edge adds, what its rise along the edge
+        // does, and what its rise across it.
+        let constant = cross * ratio;
+        let (dx, dy) = (Lanes::splat(-ramp.span[0]), Lanes::splat(-ramp.span[1]));
+        let along = constant * (start.p[0] * dx + start.p[1] * dy);
+        let across = c_squared * ratio;
         for slope in &cell.slopes[ramp.first_slope as usize..ramp.end_slope as usize] {
             let value = Lanes::splat(slope.value) * constant;
             let value = Lanes::splat(slope.along).mul_add(along, value);
@@ -159,22 +178,6 @@ impl<const N: usize, const FMA: bool> Feet<N, FMA> {
             start = end;
         }
         sum
-    }
-
-    /// What a share of one at a ramp's edge adds to the sum, what its rise
-    /// along the edge adds, and what its rise across it.
-    #[inline(always)]
-    fn ramp_terms(&self, ramp: &PackedRamp) -> [Lanes<N, FMA>; 3] {
-        let gamma = Lanes(self.gamma);
-        let gamma_squared = gamma * gamma;
-        let start = self.corner(ramp.start, ramp.start_rest, gamma_squared);
-        let end = self.corner(ramp.end, ramp.end_rest, gamma_squared);
-        let Angle { ratio, cross, c_squared } =
-            angle(&start, &end, ramp.span, ramp.span_squared, gamma_squared);
-        let constant = cross * ratio;
-        let [dx, dy] = ramp.span.map(Lanes::splat);
-        let back = (start.p[0] * dx + start.p[1] * dy).map(|dot| -dot);
-        [constant, constant * back, c_squared * ratio]
     }
 }
 

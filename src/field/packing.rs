@@ -13,6 +13,7 @@
 //! (`ramps`), each with a slope for every label that changes there.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
@@ -63,14 +64,19 @@ pub(super) struct Chain {
     pub right: u32,
 }
 
+/// A corner of triangles on an unknown region: the part on the grid, and the
+/// remainder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PackedCorner {
+    pub at: [f32; 2],
+    pub rest: [f32; 2],
+}
+
 /// An edge of a triangle on an unknown region.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PackedRamp {
-    /// p and q: the parts on the grid, and the remainders.
-    pub start: [f32; 2],
-    pub start_rest: [f32; 2],
-    pub end: [f32; 2],
-    pub end_rest: [f32; 2],
+    /// p and q, among the face's corners.
+    pub ends: [u32; 2],
     /// q − p, rounded once.
     pub span: [f32; 2],
     /// ‖q − p‖².
@@ -99,15 +105,29 @@ pub(super) struct Frame {
     pub offset: f64,
 }
 
-/// A face: chains `first_chain..end_chain` and ramps `first_ramp..end_ramp`
-/// of the cell.
+/// A face: chains `first_chain..end_chain`, corners `first_corner..end_corner`
+/// and ramps `first_ramp..end_ramp` of the cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PackedFace {
     pub frame: Frame,
     pub first_chain: u32,
     pub end_chain: u32,
+    pub first_corner: u32,
+    pub end_corner: u32,
     pub first_ramp: u32,
     pub end_ramp: u32,
+}
+
+impl PackedFace {
+    /// The face's corners among the cell's.
+    pub fn corners(&self) -> Range<usize> {
+        self.first_corner as usize..self.end_corner as usize
+    }
+
+    /// The face's ramps among the cell's.
+    pub fn ramps(&self) -> Range<usize> {
+        self.first_ramp as usize..self.end_ramp as usize
+    }
 }
 
 /// A cell. One with a single label has no faces: nothing is to be evaluated.
@@ -123,6 +143,7 @@ pub(super) struct PackedCell {
     pub faces: Vec<PackedFace>,
     pub chains: Vec<Chain>,
     pub edges: Vec<PackedEdge>,
+    pub corners: Vec<PackedCorner>,
     pub ramps: Vec<PackedRamp>,
     pub slopes: Vec<PackedSlope>,
 }
@@ -171,6 +192,7 @@ impl PackedCell {
             faces: Vec::new(),
             chains: Vec::new(),
             edges: Vec::new(),
+            corners: Vec::new(),
             ramps: Vec::new(),
             slopes: Vec::new(),
         };
@@ -218,12 +240,23 @@ impl PackedCell {
         }
         let end_chain = self.chains.len() as u32;
         let completion = boundary.completion;
-        let place = |corner| self.flatten(&frame, completion.point(corner));
+        let (origin, scale) = (self.origin, self.scale);
+        let place = |corner| frame.flatten((completion.point(corner) - origin) * scale);
         let ramps = Ramps::new(completion.triangles(index).to_vec(), place);
-        let first_ramp = self.ramps.len() as u32;
+        let corners = ramps.corners.iter().map(|&corner| PackedCorner::new(place(corner)));
+        let (first_corner, first_ramp) = (self.corners.len() as u32, self.ramps.len() as u32);
+        self.corners.extend(corners);
         self.ramps.extend(ramps.edges.iter().map(PackedRamp::new));
-        let end_ramp = self.ramps.len() as u32;
-        self.faces.push(PackedFace { frame, first_chain, end_chain, first_ramp, end_ramp });
+        let (end_corner, end_ramp) = (self.corners.len() as u32, self.ramps.len() as u32);
+        self.faces.push(PackedFace {
+            frame,
+            first_chain,
+            end_chain,
+            first_corner,
+            end_corner,
+            first_ramp,
+            end_ramp,
+        });
         Ok(ramps)
     }
 
@@ -254,8 +287,7 @@ impl PackedCell {
 
     /// A point on a face, in the face's frame.
     fn flatten(&self, frame: &Frame, point: DVec3) -> DVec2 {
-        let local = self.localize(point);
-        DVec2::new(frame.tangents[0].dot(local), frame.tangents[1].dot(local))
+        frame.flatten(self.localize(point))
     }
 
     /// A point in the cell's coordinates.
@@ -264,21 +296,25 @@ impl PackedCell {
     }
 }
 
+impl Frame {
+    /// A point in the cell's coordinates, in the face's frame.
+    fn flatten(&self, local: DVec3) -> DVec2 {
+        DVec2::new(self.tangents[0].dot(local), self.tangents[1].dot(local))
+    }
+}
+
+impl PackedCorner {
+    fn new(point: DVec2) -> Self {
+        let (at, rest) = split_point(point);
+        Self { at, rest }
+    }
+}
+
 impl PackedRamp {
     fn new(edge: &RampEdge) -> Self {
-        let span = edge.end - edge.start;
-        let (start, start_rest) = split_point(edge.start);
-        let (end, end_rest) = split_point(edge.end);
-        Self {
-            start,
-            start_rest,
-            end,
-            end_rest,
-            span: span.as_vec2().to_array(),
-            span_squared: span.length_squared() as f32,
-            first_slope: 0,
-            end_slope: 0,
-        }
+        let (ends, span) = (edge.ends, edge.end - edge.start);
+        let (span, span_squared) = (span.as_vec2().to_array(), span.length_squared() as f32);
+        Self { ends, span, span_squared, first_slope: 0, end_slope: 0 }
     }
 }
 

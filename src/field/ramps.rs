@@ -33,6 +33,8 @@ pub(super) const NEEDLE: f64 = 1e-9;
 pub(super) struct Ramps {
     /// The triangles' corners.
     triangles: Vec<[u32; 3]>,
+    /// All of them, sorted.
+    pub corners: Vec<u32>,
     pub edges: Vec<RampEdge>,
 }
 
@@ -43,6 +45,8 @@ pub(super) struct RampEdge {
     pub start: DVec2,
     pub end: DVec2,
     corners: [u32; 2],
+    /// The same, as places among all corners.
+    pub ends: [u32; 2],
     left: Slope,
     right: Option<Slope>,
 }
@@ -77,7 +81,10 @@ impl Ramps {
             }
         }
         sides.sort_unstable();
-        let mut ramps = Self { triangles, edges: Vec::new() };
+        let mut all: Vec<u32> = triangles.iter().flatten().copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        let mut ramps = Self { triangles, corners: all, edges: Vec::new() };
         for same in sides.chunk_by(|one, other| one.0 == other.0) {
             let (_, left, corners) = same[0];
             let [start, end] = corners.map(&place);
@@ -89,7 +96,9 @@ impl Ramps {
                 weights: weights(ramps.triangles[triangle as usize].map(&place), end - start),
             };
             let (left, right) = (slope(left), same.get(1).map(|&(_, right, _)| slope(right)));
-            ramps.edges.push(RampEdge { start, end, corners, left, right });
+            let ends =
+                corners.map(|corner| ramps.corners.partition_point(|&other| other < corner) as u32);
+            ramps.edges.push(RampEdge { start, end, corners, ends, left, right });
         }
         ramps
     }

@@ -4,7 +4,9 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::field::packing::{Chain, PackedCell, PackedEdge, PackedFace, PackedRamp, split};
+use crate::field::packing::{
+    Chain, PackedCell, PackedCorner, PackedEdge, PackedFace, PackedRamp, split,
+};
 
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -79,8 +81,8 @@ impl Tables {
         for face in &cell.faces {
             let chains = [face.first_chain, face.end_chain].map(|chain| first_chain + chain);
             let first_ramp = self.ramps.len() as u32;
-            for ramp in &cell.ramps[face.first_ramp as usize..face.end_ramp as usize] {
-                self.add_ramp(cell, ramp);
+            for ramp in &cell.ramps[face.ramps()] {
+                self.add_ramp(cell, face, ramp);
             }
             let ramps = [first_ramp, self.ramps.len() as u32];
             self.faces.push(DeviceFace::new(face, chains, ramps));
@@ -99,11 +101,14 @@ impl Tables {
         });
     }
 
-    fn add_ramp(&mut self, cell: &PackedCell, ramp: &PackedRamp) {
-        let point = |[u, v]: [f32; 2], [u_rest, v_rest]: [f32; 2]| [u, v, u_rest, v_rest];
+    fn add_ramp(&mut self, cell: &PackedCell, face: &PackedFace, ramp: &PackedRamp) {
+        let corners = &cell.corners[face.corners()];
+        let row = |end: u32| {
+            let PackedCorner { at, rest } = corners[end as usize];
+            [at[0], at[1], rest[0], rest[1]].map(f32::to_bits)
+        };
         let slopes = &cell.slopes[ramp.first_slope as usize..ramp.end_slope as usize];
-        self.ramps.push(point(ramp.start, ramp.start_rest).map(f32::to_bits));
-        self.ramps.push(point(ramp.end, ramp.end_rest).map(f32::to_bits));
+        self.ramps.extend(ramp.ends.map(row));
         let [x, y] = ramp.span.map(f32::to_bits);
         self.ramps.push([x, y, ramp.span_squared.to_bits(), slopes.len() as u32]);
         self.ramps.extend(slopes.iter().map(|slope| {
