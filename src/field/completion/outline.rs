@@ -16,7 +16,7 @@ use glam::DVec3;
 use crate::arrangement::{Arrangement, FaceEdge};
 use crate::label::Label;
 
-/// How far simplified chains stray, as a part of the spacing: less than a voxel at 256
+/// How far simplified chains stray, as a part of the spacing: a voxel at 256
 /// voxels and the default spacing.
 const STRAY: f64 = 1.0 / 16.0;
 
