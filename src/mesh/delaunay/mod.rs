@@ -1,13 +1,13 @@
 //! Delaunay refinement of labelled samples, for any number of labels
 //! (Boissonnat & Oudot; Rineau & Yvinec), by CGAL's Mesh_3.
 //!
-//! The samples say which label is where ([`oracle`]). Every tetrahedron of a
+//! The samples say which label is where (`oracle`). Every tetrahedron of a
 //! Delaunay triangulation has the label of its circumcentre, and the interface
 //! is made of the facets between tetrahedra of different labels. A facet that
 //! is too large, too far from the surface or has too small an angle is refined
 //! by a point where its dual edge crosses the surface. Refinement starts from
-//! points on every piece of the dual mesh ([`seeds`]), so that none is missed;
-//! the curves where three labels meet are there from the start ([`curves`]),
+//! points on every piece of the dual mesh (`seeds`), so that none is missed;
+//! the curves where three labels meet are there from the start (`curves`),
 //! as chains of edges inside balls that nothing else may enter.
 //!
 //! # Why every label's surface is closed, oriented and edge-manifold
@@ -17,7 +17,7 @@
 //! side only. Around an edge l and not-l alternate, so it has an even number
 //! of them, and as many that lead into l as lead out of it. More than two are
 //! there only where l comes up more than once around the edge; what refinement
-//! leaves of such edges is split ([`pinches`]). Nothing crosses anything,
+//! leaves of such edges is split (`pinches`). Nothing crosses anything,
 //! since no two tetrahedra do.
 //!
 //! # Why it comes to an end
