@@ -27,7 +27,7 @@ fn reconstruct(sections: Sections, voxels: u32, spacing: Option<f64>) -> Check {
     let change = Change::Add(sections);
     model.apply(change, &Rules::default(), &mut stages, &Silent).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
-    let options = CheckOptions { self_intersections: false };
+    let options = CheckOptions::default();
     let lattice = &derived.samples.lattice;
     let check = check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
         .expect("it can be checked");

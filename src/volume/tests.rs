@@ -83,13 +83,11 @@ fn four_labels_meet_in_junctions_and_share_the_plane() {
             around.entry(end).or_default().extend([edge.left.0, edge.right.0]);
         }
     }
-    let junction = |labels: &&mut Vec<u32>| labels.len() == 3 && labels[0] != 0;
-    let inner = around.values_mut().map(|labels| {
+    for labels in around.values_mut() {
         labels.sort_unstable();
         labels.dedup();
-        labels
-    });
-    let inner = inner.filter(junction);
+    }
+    let inner = around.values().filter(|labels| labels.len() == 3 && labels[0] != 0);
     // Four labels meet in two junctions of three.
     assert_eq!(inner.count(), 2);
 }
