@@ -1,6 +1,7 @@
 //! `./x bench`: seconds per stage, field evaluations, edge evaluations per
 //! second for each backend beside the scalar f64 reference, and peak memory,
-//! for the bundled example and the real files there are.
+//! for the bundled example and the real files there are; and what it costs when
+//! a fifth of every section is unknown.
 //!
 //! `cargo bench -- NAME...` takes only the files whose names contain a NAME.
 
@@ -13,13 +14,17 @@ use transect::check::{self, check};
 use transect::error::{Error, Result};
 use transect::field::{Adapter, Boundaries, Cpu, Field, Gpu, Queries, Reference, Run};
 use transect::io;
+use transect::mask::{Blobs, Mask, mask};
 use transect::model::{Model, Options};
 use transect::progress::Silent;
-use transect::section::Rules;
+use transect::section::{Rules, Sections};
 use transect::stage::Stages;
 
 /// The stages that are shown, in their order.
-const STAGES: [&str; 6] = ["read", "arrangement", "field", "smoothing", "mesh", "check"];
+const STAGES: [&str; 7] =
+    ["read", "arrangement", "completion", "field", "smoothing", "mesh", "check"];
+/// The blobs that are made unknown.
+const BLOBS: Blobs = Blobs { fraction: 0.2, size: 0.2, seed: 1 };
 /// Points that the backends are timed on: as many as the reference can do in
 /// about a second, and more for the others.
 const POINTS: [(&str, usize); 3] = [("reference", 20_000), ("cpu", 1_000_000), ("gpu", 200_000)];
@@ -36,7 +41,11 @@ fn main() -> Result<()> {
     println!("{:>9}{:>11}{:>14}{:>14}", "all", "peak MiB", "evaluations", "triangles");
     let mut backends = Vec::new();
     for file in files {
-        backends.push((name(&file), reconstruct(&file)?));
+        let (arrangement, known) = reconstruct(&file, |sections| Ok(sections))?;
+        let masked = Mask { blobs: Some(BLOBS), frame: None };
+        let (_, unknown) = reconstruct(&file, |sections| mask(sections, &masked))?;
+        println!("{:<22}× {:.2} with a fifth unknown, the row above", "", unknown / known);
+        backends.push((name(&file), arrangement));
     }
     println!("\n{:<22}{:>14}  G edge evaluations a second (× the reference)", "", "edges/point");
     for (name, arrangement) in &backends {
@@ -67,11 +76,16 @@ fn name(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// One row of the table of stages.
-fn reconstruct(file: &Path) -> Result<Arrangement> {
+/// One row of the table of stages; returns the arrangement and the seconds of
+/// all stages.
+fn reconstruct(
+    file: &Path,
+    change: impl FnOnce(Sections) -> Result<Sections>,
+) -> Result<(Arrangement, f64)> {
     let mut stages = Stages::default();
     let rules = Rules::default();
     let sections = stages.run("read", |_| io::read_sections(file, &rules))?;
+    let sections = change(sections)?;
     let mut model = Model::new(Options::default());
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
@@ -89,7 +103,7 @@ fn reconstruct(file: &Path) -> Result<Arrangement> {
         stages.count_of("evaluations"),
         derived.mesh.triangles.len()
     );
-    Ok(derived.arrangement.clone())
+    Ok((derived.arrangement.clone(), stages.seconds()))
 }
 
 /// One row of the table of backends.
