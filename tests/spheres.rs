@@ -191,6 +191,7 @@ fn all_domains_of_four_balls_come_back() {
     let options = check::Options::default();
     let found = check(&model.sections().sections, mesh, lattice, options, &Silent).unwrap();
 
+    assert_eq!(mesh.labels(), (1..16).map(Label).collect::<Vec<_>>());
     assert_eq!(found.labels.len(), 15);
     for label in &found.labels {
         let (facts, true_volume) = (&label.facts, expected[label.label as usize]);
