@@ -49,6 +49,9 @@ struct Known {
     label: Label,
 }
 
+/// Triangles, each with an edge that no other one has, on whose left it lies.
+type Rim = Vec<(usize, [u32; 2])>;
+
 /// A plane's frame: the first point seen is the origin, so that coordinates
 /// stay small.
 struct Frame {
@@ -204,8 +207,7 @@ fn beyond(known: &[Known], point: DVec2, along: DVec2, reach: f64) -> Option<Lab
 
 /// For every triangle its connected part, and the edges that only one
 /// triangle has, with that triangle on the left.
-#[allow(clippy::type_complexity)]
-fn connected(triangles: &[(u32, [u32; 3])]) -> (Vec<u32>, Vec<(usize, [u32; 2])>) {
+fn connected(triangles: &[(u32, [u32; 3])]) -> (Vec<u32>, Rim) {
     let mut edges: Vec<([u32; 2], usize, [u32; 2])> = Vec::with_capacity(3 * triangles.len());
     for (index, (_, [a, b, c])) in triangles.iter().enumerate() {
         for (start, end) in [(*a, *b), (*b, *c), (*c, *a)] {
