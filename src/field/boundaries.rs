@@ -19,6 +19,10 @@ const NEGLIGIBLE: f32 = 1e-3;
 /// length as a part of the box's longest side.
 const SPACING: f64 = 1.0 / 16.0;
 
+/// The smallest spacing, as a part of the box's longest side: finer triangles
+/// would take all memory and show nothing more.
+const FINEST: f64 = 1.0 / 512.0;
+
 /// The boundaries of an arrangement's cells.
 #[derive(Debug)]
 pub struct Boundaries<'a> {
@@ -47,8 +51,8 @@ impl<'a> Boundaries<'a> {
     /// (Bermano §5).
     ///
     /// # Errors
-    /// [`Error::Option`] for a bad clearance or spacing, and where everything
-    /// is unknown.
+    /// [`Error::Option`] for a bad clearance or spacing (one below a 512th of
+    /// the longest side, too), and where everything is unknown.
     pub fn new(arrangement: &'a Arrangement, clearance: f64, spacing: Option<f64>) -> Result<Self> {
         let bounds = arrangement.bounds();
         let spacing = spacing.unwrap_or(SPACING * bounds.size().max_element());
@@ -58,6 +62,12 @@ impl<'a> Boundaries<'a> {
                     "the field's {what} must be a positive number, not {number}"
                 )));
             }
+        }
+        let finest = FINEST * bounds.size().max_element();
+        if spacing < finest {
+            return Err(Error::Option(format!(
+                "a spacing of {spacing} is too small for this box: --spacing must be {finest} at least"
+            )));
         }
         // Below this f32 could underflow.
         let clearance = clearance.max(SMALLEST_CLEARANCE * bounds.diagonal());

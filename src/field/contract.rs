@@ -281,4 +281,6 @@ fn bad_clearances_and_spacings_are_refused() {
         let error = Boundaries::new(&arrangement, 1e-6, Some(bad)).unwrap_err();
         assert!(error.to_string().contains("spacing"), "{error}");
     }
+    let error = Boundaries::new(&arrangement, 1e-6, Some(1e-9)).unwrap_err();
+    assert!(error.to_string().contains("too small"), "{error}");
 }
