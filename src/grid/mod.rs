@@ -16,3 +16,5 @@ pub mod samples;
 pub mod sampling;
 pub mod smoothing;
 mod winding;
+
+pub use locate::Cells;
