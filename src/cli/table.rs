@@ -6,9 +6,12 @@ use crate::check::LabelCheck;
 use crate::compare::Comparison;
 use crate::report::Report;
 use crate::section::Disagreement;
+use crate::skeleton::Details;
 
 /// How many labels are shown.
 const LABELS: usize = 24;
+/// How many contradictions are shown.
+const CONTRADICTIONS: usize = 5;
 
 /// Prints a report to stderr.
 pub fn print(report: &Report) {
@@ -22,11 +25,12 @@ fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
     let [x, y, z] = report.nodes;
     writeln!(
         out,
-        "{} sections, grid {x} × {y} × {z}, voxel {:.6}{}{}, field on {}",
+        "{} sections, grid {x} × {y} × {z}, voxel {:.6}{}{}, {}{}",
         report.sections,
         report.voxel,
         if report.units.is_empty() { "" } else { " " },
         report.units,
+        if report.exact.is_some() { "" } else { "field on " },
         report.device
     )?;
     writeln!(out)?;
@@ -93,6 +97,9 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
     if thin > 0 {
         writeln!(out, "too thin for the grid: {thin} contour vertices (--report lists them)")?;
     }
+    if let Some(exact) = &report.exact {
+        return write_contradictions(out, exact);
+    }
     // What is shorter than a voxel comes from rounded contours, as a rule.
     let visible = |pair: &&Disagreement| pair.worst_length > report.voxel;
     let disagreements = report.disagreements.iter().filter(visible).count();
@@ -102,6 +109,27 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
             "{disagreements} pairs of sections contradict each other along their common line \
              (`transect inspect` lists them)"
         )?;
+    }
+    Ok(())
+}
+
+/// What is exact is listed, however short.
+fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
+    writeln!(
+        out,
+        "common lines     {} places made one, {} contradictions",
+        exact.snapped,
+        exact.contradictions.len()
+    )?;
+    for found in exact.contradictions.iter().take(CONTRADICTIONS) {
+        let [first, second] = &found.sections;
+        let [from, to] = found.ends.map(|end| end.map(number).join(", "));
+        let [one, other] = [0, 1].map(|which: usize| found.labels[which].join(" "));
+        writeln!(out, "  {first}: {one}, {second}: {other}, from ({from}) to ({to})")?;
+    }
+    let rest = exact.contradictions.len().saturating_sub(CONTRADICTIONS);
+    if rest > 0 {
+        writeln!(out, "  … and {rest} more (--report lists them)")?;
     }
     Ok(())
 }
