@@ -114,7 +114,30 @@ class Pieces {
   std::map<Edge, Index> left_of_;
 };
 
+// Whether just one straight line leads through the point.
+bool passes(const Flat& point, const std::vector<Flat>& ways) {
+  return ways.size() == 2 && CGAL::collinear(ways[0], point, ways[1]);
+}
+
 }  // namespace
+
+// Each line is met from both ends and taken from the smaller one.
+std::vector<StraightLine> straight_lines(const Ways& ways) {
+  std::vector<StraightLine> lines;
+  for (const auto& [start, seconds] : ways) {
+    if (passes(start, seconds)) continue;
+    for (const Flat& second : seconds) {
+      Flat last = start, next = second;
+      for (auto at = ways.find(next); passes(next, at->second); at = ways.find(next)) {
+        const Flat further = at->second[0] == last ? at->second[1] : at->second[0];
+        last = next;
+        next = further;
+      }
+      if (start < next) lines.push_back({start, second, next});
+    }
+  }
+  return lines;
+}
 
 Chart::Chart(const Vector& normal, const Number& offset) : normal_(normal), offset_(offset) {
   dropped_ = 0;
@@ -224,17 +247,42 @@ Label PlanarMap::at(const Point& point, const Vector& way) const {
   return label;
 }
 
+// A triangulation of the lines between known and unknown alone, so that contours divide
+// no polygon.
+PlanarMap::Labels PlanarMap::known_outlines() const {
+  const auto is_known = [&](Labels::Face_handle face) {
+    return !labels_.is_infinite(face) && face->info() != unknown;
+  };
+  Ways ways;
+  for (const auto& [face, index] : labels_.finite_edges()) {
+    if (is_known(face) == is_known(face->neighbor(index))) continue;
+    const Flat& a = face->vertex(labels_.ccw(index))->point();
+    const Flat& b = face->vertex(labels_.cw(index))->point();
+    ways[a].push_back(b);
+    ways[b].push_back(a);
+  }
+  Labels outlines;
+  for (const StraightLine& line : straight_lines(ways)) {
+    outlines.insert_constraint(line.from, line.to);
+  }
+  return outlines;
+}
+
 std::vector<std::vector<Point>> PlanarMap::known() const {
+  const Labels outlines = known_outlines();
   std::map<Labels::Vertex_handle, Index> names;
   std::vector<Flat> points;
-  for (auto vertex : labels_.finite_vertex_handles()) {
+  for (auto vertex : outlines.finite_vertex_handles()) {
     names[vertex] = static_cast<Index>(points.size());
     points.push_back(vertex->point());
   }
   Pieces pieces(points);
-  for (auto face : labels_.finite_face_handles()) {
-    if (face->info() == unknown) continue;
-    pieces.add({names[face->vertex(0)], names[face->vertex(1)], names[face->vertex(2)]});
+  for (auto face : outlines.finite_face_handles()) {
+    const auto corner = [&](int i) { return face->vertex(i); };
+    const Flat inside =
+        CGAL::centroid(corner(0)->point(), corner(1)->point(), corner(2)->point());
+    if (at(chart_.up(inside), CGAL::NULL_VECTOR) == unknown) continue;
+    pieces.add({names[corner(0)], names[corner(1)], names[corner(2)]});
   }
   std::vector<std::vector<Point>> polygons;
   for (const std::vector<Index>& loop : pieces.merged()) {

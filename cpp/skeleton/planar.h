@@ -5,6 +5,8 @@
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
+#include <map>
+
 #include "transect/cpp/skeleton/exact.h"
 
 namespace transect::skeleton::partial {
@@ -24,6 +26,15 @@ class Chart {
   Number offset_;
   int first_, second_, dropped_;
 };
+
+// Lines of a plane, by what their points are joined to.
+using Ways = std::map<Kernel::Point_2, std::vector<Kernel::Point_2>>;
+
+// A line that goes straight on from corner to corner; the one after `from` is `second`.
+struct StraightLine {
+  Kernel::Point_2 from, second, to;
+};
+std::vector<StraightLine> straight_lines(const Ways& ways);
 
 template <class VertexInfo, class FaceInfo>
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
@@ -63,6 +74,7 @@ class PlanarMap {
 
   void paint(const std::vector<Point>& points, const std::vector<Piece>& pieces, Label label);
   void flood();
+  Labels known_outlines() const;
 
   Chart chart_;
   Labels labels_;

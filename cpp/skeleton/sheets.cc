@@ -56,19 +56,19 @@ class Overlay {
     for (std::size_t i = 1; i < regions.size(); ++i) sides_[i] = sides(tiles, regions[i]);
   }
 
-  std::vector<Seam> seams() {
-    std::map<Vertex, std::vector<Vertex>> ways;
+  std::vector<Seam> seams() const {
+    Ways ways;
     for (const auto& edge : mesh_.constrained_edges()) {
       if (left(edge) == right(edge)) continue;
       const auto [from, to] = ends(edge);
-      ways[from].push_back(to);
-      ways[to].push_back(from);
+      ways[from->point()].push_back(to->point());
+      ways[to->point()].push_back(from->point());
     }
+    std::map<Flat, Vertex> vertices;
+    for (Vertex vertex : mesh_.finite_vertex_handles()) vertices[vertex->point()] = vertex;
     std::vector<Seam> seams;
-    for (Vertex start : mesh_.finite_vertex_handles()) {
-      const auto at = ways.find(start);
-      if (at == ways.end() || passes(start, at->second)) continue;
-      for (Vertex next : at->second) follow(ways, start, next, seams);
+    for (const StraightLine& line : straight_lines(ways)) {
+      seams.push_back(seam(line, vertices.at(line.from), vertices.at(line.second)));
     }
     return seams;
   }
@@ -108,33 +108,19 @@ class Overlay {
     return sides_[edge.first->neighbor(edge.second)->info()];
   }
 
-  // Whether just one straight line leads through the vertex.
-  static bool passes(Vertex vertex, const std::vector<Vertex>& ways) {
-    return ways.size() == 2 &&
-           CGAL::collinear(ways[0]->point(), vertex->point(), ways[1]->point());
-  }
-
-  // Each seam is met from both ends and taken from the smaller one.
-  void follow(const std::map<Vertex, std::vector<Vertex>>& ways, Vertex start, Vertex next,
-              std::vector<Seam>& seams) const {
-    const Vertex second = next;
-    Vertex last = start;
-    while (passes(next, ways.at(next))) {
-      const std::vector<Vertex>& on = ways.at(next);
-      const Vertex further = on[0] == last ? on[1] : on[0];
-      last = next;
-      next = further;
-    }
-    if (next->point() < start->point()) return;
+  // Sides are the same all along the line.
+  Seam seam(const StraightLine& line, Vertex from, Vertex second) const {
     Face face;
     int index;
-    mesh_.is_edge(start, second, face, index);
+    mesh_.is_edge(from, second, face, index);
     const Edge edge(face, index);
-    const bool along = ends(edge).first == start;
-    seams.push_back({chart_.up(start->point()), chart_.up(next->point()),
-                     along ? left(edge) : right(edge), along ? right(edge) : left(edge)});
-    CGAL::exact(seams.back().from);
-    CGAL::exact(seams.back().to);
+    const bool along = ends(edge).first == from;
+    const auto &on_left = along ? left(edge) : right(edge),
+               &on_right = along ? right(edge) : left(edge);
+    Seam seam{chart_.up(line.from), chart_.up(line.to), on_left, on_right};
+    CGAL::exact(seam.from);
+    CGAL::exact(seam.to);
+    return seam;
   }
 
   Chart chart_;
