@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -36,41 +37,58 @@ std::vector<Vector> neighbours() {
   return result;
 }
 
+// The scale, rounded to a number of bits. Few bits make small numbers, and what would
+// coincide but for the irrational lengths of normals (in symmetric input) misses by more
+// than a rounded coordinate does.
+Number scale(const Plane& plane, int bits) {
+  if (bits > std::numeric_limits<double>::digits) return plane.scale;
+  int exponent;
+  const double mantissa = std::frexp(CGAL::to_double(plane.scale), &exponent);
+  return std::ldexp(std::round(std::ldexp(mantissa, bits)), exponent - bits);
+}
+
 // s n and −s n, once for parallel planes.
-std::vector<Vector> normals(const std::vector<Plane>& planes) {
+std::vector<Vector> normals(const std::vector<Plane>& planes, int bits) {
   std::vector<Vector> result;
   for (const Plane& plane : planes) {
     const auto parallel = [&](const Vector& other) {
       return CGAL::cross_product(other, plane.normal) == CGAL::NULL_VECTOR;
     };
     if (std::any_of(result.begin(), result.end(), parallel)) continue;
-    result.push_back(plane.normal * plane.scale);
-    result.push_back(plane.normal * -plane.scale);
+    const Vector corner = plane.normal * scale(plane, bits);
+    result.push_back(corner);
+    result.push_back(-corner);
   }
   return result;
 }
 
-void require_farthest(const std::vector<Vector>& corners, std::size_t normals) {
-  for (std::size_t i = 0; i < normals; ++i) {
+// Whether each of the first corners is the farthest along itself.
+bool farthest_each(const std::vector<Vector>& corners, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < corners.size(); ++j) {
-      if (i != j && corners[i] * corners[j] >= corners[i] * corners[i]) {
-        throw std::domain_error("two planes are too close to parallel for their scales");
-      }
+      if (i != j && corners[i] * corners[j] >= corners[i] * corners[i]) return false;
     }
   }
+  return true;
+}
+
+std::vector<Vector> all_corners(const std::vector<Plane>& planes) {
+  for (int bits : {24, 48, 96}) {
+    std::vector<Vector> corners = normals(planes, bits);
+    const std::size_t count = corners.size();
+    for (const Vector& direction : neighbours()) {
+      const auto close = [&](const Vector& corner) { return cosine(corner, direction) > near; };
+      if (std::none_of(corners.begin(), corners.end(), close)) corners.push_back(direction);
+    }
+    if (farthest_each(corners, count)) return corners;
+  }
+  throw std::domain_error("two planes are too close to parallel for their scales");
 }
 
 }  // namespace
 
 Gauge::Gauge(const std::vector<Plane>& planes) {
-  corners = normals(planes);
-  const std::size_t count = corners.size();
-  for (const Vector& direction : neighbours()) {
-    const auto close = [&](const Vector& corner) { return cosine(corner, direction) > near; };
-    if (std::none_of(corners.begin(), corners.end(), close)) corners.push_back(direction);
-  }
-  require_farthest(corners, count);
-
+  corners = all_corners(planes);
   std::map<Point, Index> names;
   std::vector<Point> points;
   for (const Vector& corner : corners) {
@@ -90,7 +108,7 @@ Gauge::Gauge(const std::vector<Plane>& planes) {
     const Vector polar = plane.orthogonal_vector() / -plane.d();
     const auto [at, fresh] =
         polars.try_emplace(CGAL::ORIGIN + polar, static_cast<Index>(facets.size()));
-    if (fresh) facets.push_back({polar, {}});
+    if (fresh) facets.push_back({polar, {}, {}});
     facet_of[&*face] = at->second;
     std::vector<Index>& own = facets[at->second].corners;
     auto around = face->facet_begin();
@@ -103,6 +121,8 @@ Gauge::Gauge(const std::vector<Plane>& planes) {
     const Index left = facet_of.at(&*edge->facet());
     const Index right = facet_of.at(&*edge->opposite()->facet());
     if (left == right) continue;
+    facets[left].edges.push_back(static_cast<Index>(edges.size()));
+    facets[right].edges.push_back(static_cast<Index>(edges.size()));
     edges.push_back({{names.at(edge->vertex()->point()),
                       names.at(edge->opposite()->vertex()->point())},
                      {left, right}});

@@ -1,5 +1,7 @@
 #include "transect/cpp/skeleton/sheets.h"
 
+#include <CGAL/Constrained_triangulation_plus_2.h>
+
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -9,7 +11,7 @@ namespace {
 
 using Flat = Kernel::Point_2;
 // Faces know their region, vertices what became of them.
-using Mesh = Triangulation<Index, Index>;
+using Mesh = CGAL::Constrained_triangulation_plus_2<Triangulation<Index, Index>>;
 using Vertex = Mesh::Vertex_handle;
 using Face = Mesh::Face_handle;
 

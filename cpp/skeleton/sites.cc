@@ -1,6 +1,7 @@
 #include "transect/cpp/skeleton/sites.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
@@ -64,7 +65,11 @@ class Zones {
   Zone prism(int side) const {
     const Vector ray = gauge_.farthest(normal_ * side);
     const Vector u = normal_ * side / (normal_ * side * ray);
-    return {through(u, corners_[0]), corners_, {ray, ray}, {}};
+    std::vector<Halfspace> bounds;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      bounds.push_back(spanned(corner(i), corner(i + 1) - corner(i), ray, corner(i + 2)));
+    }
+    return {through(u, corners_[0]), std::move(bounds), corners_, {ray, ray}, {}};
   }
 
   std::vector<Zone> all() const {
@@ -86,6 +91,20 @@ class Zones {
     return distance;
   }
 
+  // The plane through p along v and w, with the other point behind it.
+  static Halfspace spanned(const Point& p, const Vector& v, const Vector& w, const Point& behind) {
+    const Halfspace plane(p, CGAL::cross_product(v, w));
+    return plane.has_on_positive_side(behind) ? plane.opposite() : plane;
+  }
+
+  // A side of the cone of a facet of the gauge, from a point.
+  Halfspace side(const Gauge::Facet& facet, Index edge, const Point& from) const {
+    const auto& [v, w] = gauge_.edges[edge].corners;
+    Vector middle = CGAL::NULL_VECTOR;
+    for (Index c : facet.corners) middle += gauge_.corners[c];
+    return spanned(from, gauge_.corners[v], gauge_.corners[w], from + middle);
+  }
+
   const Point& corner(std::size_t i) const { return corners_[i % corners_.size()]; }
 
   // Around a corner, or an edge that is parallel to the facet.
@@ -100,8 +119,10 @@ class Zones {
         return parallel(distance, facet, i);
       }
     }
+    std::vector<Halfspace> bounds;
+    for (Index edge : facet.edges) bounds.push_back(side(facet, edge, corners_[best]));
     const Vector& ray = gauge_.corners[facet.corners[0]];
-    return {distance, {corners_[best]}, {ray, ray}, at_corner_[best]};
+    return {distance, std::move(bounds), {corners_[best]}, {ray, ray}, at_corner_[best]};
   }
 
   // Feet follow the facet's corners that are farthest away from the edge to both sides;
@@ -116,10 +137,15 @@ class Zones {
       if (at < low || (at == low && c < least)) least = c;
       if (at > high || (at == high && c < most)) most = c;
     }
-    return {distance,
-            {corner(i), corner(i + 1)},
-            {gauge_.corners[least], gauge_.corners[most]},
-            on_edge_[i]};
+    const Vector &low = gauge_.corners[least], &high = gauge_.corners[most];
+    std::vector<Halfspace> bounds{spanned(corner(i), along, low, corner(i) + high),
+                                  spanned(corner(i), along, high, corner(i) + low)};
+    for (Index edge : facet.edges) {
+      const Halfspace at_start = side(facet, edge, corner(i));
+      const bool ends = at_start.orthogonal_vector() * along > 0;
+      bounds.push_back(ends ? side(facet, edge, corner(i + 1)) : at_start);
+    }
+    return {distance, std::move(bounds), {corner(i), corner(i + 1)}, {low, high}, on_edge_[i]};
   }
 
   // The facet that an edge of the site and one of the gauge span, if it is one of their
@@ -133,10 +159,12 @@ class Zones {
     const Number t = at_left / (at_left - at_right);
     const Linear distance = through(left + (right - left) * t, corner(i));
     if (distance.at(corner(i + 2)) >= 0) return {};
-    return Zone{distance,
-                {corner(i), corner(i + 1)},
-                {gauge_.corners[edge.corners[0]], gauge_.corners[edge.corners[1]]},
-                on_edge_[i]};
+    const Vector &v = gauge_.corners[edge.corners[0]], &w = gauge_.corners[edge.corners[1]];
+    std::vector<Halfspace> bounds{spanned(corner(i), v, w, corner(i + 1)),
+                                  spanned(corner(i + 1), v, w, corner(i)),
+                                  spanned(corner(i), along, v, corner(i) + w),
+                                  spanned(corner(i), along, w, corner(i) + v)};
+    return Zone{distance, std::move(bounds), {corner(i), corner(i + 1)}, {v, w}, on_edge_[i]};
   }
 
   const Gauge& gauge_;
@@ -146,6 +174,20 @@ class Zones {
 };
 
 }  // namespace
+
+Rough::Rough(const Linear& exact)
+    : u{CGAL::to_double(exact.u.x()), CGAL::to_double(exact.u.y()), CGAL::to_double(exact.u.z())},
+      c(CGAL::to_double(exact.c)) {}
+
+std::pair<double, double> Rough::at(const std::array<double, 3>& x) const {
+  double value = -c, sum = std::abs(c);
+  for (int i = 0; i < 3; ++i) {
+    value += u[i] * x[i];
+    sum += std::abs(u[i] * x[i]);
+  }
+  // A few roundings, of 2^-53 each, and those of what was given.
+  return {value, 1e-14 * sum};
+}
 
 Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces) {
   Polytope body;

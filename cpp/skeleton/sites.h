@@ -12,7 +12,9 @@
 // label: nothing floats freely in a cell.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <utility>
 
 #include "transect/cpp/skeleton/gauge.h"
 #include "transect/cpp/skeleton/partial.h"
@@ -35,8 +37,19 @@ inline Halfspace less(const Linear& a, const Linear& b) {
   return Halfspace(u.x(), u.y(), u.z(), b.c - a.c);
 }
 
+// The same in doubles, where they can decide.
+struct Rough {
+  double u[3], c;
+
+  explicit Rough(const Linear& exact);
+  // The value and more than the error of the value.
+  std::pair<double, double> at(const std::array<double, 3>& x) const;
+};
+
 struct Zone {
   Linear distance;
+  // The zone is behind all of them, within the cell.
+  std::vector<Halfspace> bounds;
   // The face, a polygon, an edge, or a corner.
   std::vector<Point> foot;
   // v and w, along which the distance grows by one; both are v for a face or a corner.

@@ -1,10 +1,46 @@
 #include "transect/cpp/skeleton/territory.h"
 
+#include <cmath>
 #include <utility>
 
 namespace transect::skeleton::partial {
 
-Territory::Territory(const Polytope& cell, const std::vector<Site>& sites) : sites_(sites) {
+Distances::Distances(const std::vector<Site>& sites) : sites_(sites) {
+  for (const Site& site : sites) {
+    rough_.emplace_back();
+    for (const Zone& zone : site.zones) rough_.back().emplace_back(zone.distance);
+  }
+}
+
+const Halfspace& Distances::nearer(Owner owner, Owner rival) {
+  const Halfspace*& at = known_[{owner.site, owner.zone, rival.site, rival.zone}];
+  if (!at) {
+    halfspaces_.push_back(less(sites_[owner.site].zones[owner.zone].distance,
+                               sites_[rival.site].zones[rival.zone].distance));
+    at = &halfspaces_.back();
+  }
+  return *at;
+}
+
+Polytope::Sides Distances::sides(const Polytope& body, Owner owner, Owner rival) {
+  const Rough &own = rough_[owner.site][owner.zone], &other = rough_[rival.site][rival.zone];
+  Polytope::Sides sides{false, false};
+  for (const Point& point : body.points) {
+    const std::array<double, 3> x{CGAL::to_double(point.x()), CGAL::to_double(point.y()),
+                                  CGAL::to_double(point.z())};
+    const auto [a, error_a] = own.at(x);
+    const auto [b, error_b] = other.at(x);
+    const bool clear = std::abs(a - b) > error_a + error_b;
+    const int sign = clear ? (a < b ? -1 : 1) : nearer(owner, rival).oriented_side(point);
+    sides.behind |= sign < 0;
+    sides.front |= sign > 0;
+    if (sides.behind && sides.front) break;
+  }
+  return sides;
+}
+
+Territory::Territory(const Polytope& cell, const std::vector<Site>& sites)
+    : sites_(sites), distances_(sites) {
   for (Index site = 0; site < sites.size(); ++site) {
     for (Index zone = 0; zone < sites[site].zones.size(); ++zone) settle(cell, {site, zone});
   }
@@ -25,10 +61,9 @@ void Territory::settle(const Polytope& cell, Owner owner) {
   for (Polytope& part : parts) regions_.push_back({owner, std::move(part)});
 }
 
-// In its zone, a distance is the largest of its site.
 bool Territory::keep_zone(Polytope& body, Owner owner) {
-  for (Index zone = 0; zone < sites_[owner.site].zones.size(); ++zone) {
-    if (zone != owner.zone && !body.clip(nearer({owner.site, zone}, owner))) return false;
+  for (const Halfspace& bound : sites_[owner.site].zones[owner.zone].bounds) {
+    if (!body.clip(bound)) return false;
   }
   return true;
 }
@@ -36,7 +71,7 @@ bool Territory::keep_zone(Polytope& body, Owner owner) {
 bool Territory::keep_before_walls(Polytope& body, Owner owner) {
   for (Index rival = 0; rival < sites_.size(); ++rival) {
     if (rival == owner.site || sites_[rival].zones.size() > 1) continue;
-    if (!body.clip(nearer(owner, {rival, 0}))) return false;
+    if (!body.clip(distances_.nearer(owner, {rival, 0}))) return false;
   }
   return true;
 }
@@ -49,34 +84,19 @@ std::vector<Polytope> Territory::without(const Polytope& body, Owner owner, Inde
     return !sides.front && (sides.behind || owner.site < rival);
   };
   for (Index zone = 0; zone < count; ++zone) {
-    if (out_of_reach(body.sides(nearer(owner, {rival, zone})))) return {body};
+    if (out_of_reach(distances_.sides(body, owner, {rival, zone}))) return {body};
   }
   std::vector<Polytope> kept;
   Polytope rest = body;
   for (Index zone = 0; zone < count; ++zone) {
-    const Halfspace& owned = nearer(owner, {rival, zone});
-    const Polytope::Sides sides = rest.sides(owned);
+    const Polytope::Sides sides = distances_.sides(rest, owner, {rival, zone});
     if (out_of_reach(sides)) return {body};
     if (!sides.behind) continue;
     kept.push_back(rest);
-    kept.back().clip(owned);
-    rest.clip(nearer({rival, zone}, owner));
+    kept.back().clip(distances_.nearer(owner, {rival, zone}));
+    rest.clip(distances_.nearer({rival, zone}, owner));
   }
   return kept;
-}
-
-const Linear& Territory::distance(Owner owner) const {
-  return sites_[owner.site].zones[owner.zone].distance;
-}
-
-const Halfspace& Territory::nearer(Owner owner, Owner rival) {
-  const Halfspace*& at =
-      known_[{{owner.site, owner.zone}, {rival.site, rival.zone}}];
-  if (!at) {
-    halfspaces_.push_back(less(distance(owner), distance(rival)));
-    at = &halfspaces_.back();
-  }
-  return *at;
 }
 
 }  // namespace transect::skeleton::partial

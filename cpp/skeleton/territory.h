@@ -22,6 +22,24 @@ struct Region {
   Polytope body;
 };
 
+// The distances of all zones, exact and rough, and which is nearer where.
+class Distances {
+ public:
+  explicit Distances(const std::vector<Site>& sites);
+
+  // Behind it, the owner is nearer than the rival.
+  const Halfspace& nearer(Owner owner, Owner rival);
+  // Whether that is so at a corner of the body (behind), and the contrary (front).
+  Polytope::Sides sides(const Polytope& body, Owner owner, Owner rival);
+
+ private:
+  const std::vector<Site>& sites_;
+  std::vector<std::vector<Rough>> rough_;
+  // Deques do not move what they hold.
+  std::map<std::array<Index, 4>, const Halfspace*> known_;
+  std::deque<Halfspace> halfspaces_;
+};
+
 class Territory {
  public:
   Territory(const Polytope& cell, const std::vector<Site>& sites);
@@ -33,13 +51,9 @@ class Territory {
   bool keep_zone(Polytope& body, Owner owner);
   bool keep_before_walls(Polytope& body, Owner owner);
   std::vector<Polytope> without(const Polytope& body, Owner owner, Index rival);
-  const Linear& distance(Owner owner) const;
-  const Halfspace& nearer(Owner owner, Owner rival);
 
   const std::vector<Site>& sites_;
-  // Behind each, the first owner's distance is the smaller one; deques do not move them.
-  std::map<std::pair<std::pair<Index, Index>, std::pair<Index, Index>>, const Halfspace*> known_;
-  std::deque<Halfspace> halfspaces_;
+  Distances distances_;
   std::vector<Region> regions_;
 };
 
