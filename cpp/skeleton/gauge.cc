@@ -123,16 +123,16 @@ Gauge::Gauge(const std::vector<Plane>& planes) {
     if (left == right) continue;
     facets[left].edges.push_back(static_cast<Index>(edges.size()));
     facets[right].edges.push_back(static_cast<Index>(edges.size()));
-    edges.push_back({{names.at(edge->vertex()->point()),
-                      names.at(edge->opposite()->vertex()->point())},
-                     {left, right}});
+    edges.push_back(
+        {{names.at(edge->vertex()->point()), names.at(edge->opposite()->vertex()->point())},
+         {left, right}});
   }
 }
 
 const Vector& Gauge::farthest(const Vector& normal) const {
-  return *std::max_element(
-      corners.begin(), corners.end(),
-      [&](const Vector& a, const Vector& b) { return normal * a < normal * b; });
+  return *std::max_element(corners.begin(), corners.end(), [&](const Vector& a, const Vector& b) {
+    return normal * a < normal * b;
+  });
 }
 
 }  // namespace transect::skeleton::partial

@@ -14,7 +14,7 @@ CGAL::Bbox_3 bounds(const std::vector<Point>& points) {
 
 bool flat(const Polygon& polygon, const Halfspace& plane) {
   return std::all_of(polygon.begin(), polygon.end(),
-                     [&](const Point& corner) { return plane.has_on(corner); });
+                     [&](const Point& corner) { return side(plane, corner) == 0; });
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ class RegionLabels {
   const Site& site_;
   const Zone& zone_;
   Point centre_;
-  Number height_;     // the distance is not larger than that
-  Vector across_;     // of an edge: towards later labels, along which they change
+  Number height_;  // the distance is not larger than that
+  Vector across_;  // of an edge: towards later labels, along which they change
   std::vector<Change> changes_;
 };
 

@@ -125,11 +125,12 @@ class Surfaces {
     add_lines(tile, plane, front.region, back.region);
     const RegionLabels &behind = labels_[back.region], &before = labels_[front.region];
     tile.sides = [&behind, &before](const Point& point) {
-      return Sides{behind.at(point), before.at(point), Kind::roof,
-                   {behind.plane(), before.plane()}};
+      return Sides{
+          behind.at(point), before.at(point), Kind::roof, {behind.plane(), before.plane()}};
     };
     if (tile.lines.empty()) {
-      const Sides all = tile.sides(CGAL::centroid(tile.polygon[0], tile.polygon[1], tile.polygon[2]));
+      const Sides all =
+          tile.sides(CGAL::centroid(tile.polygon[0], tile.polygon[1], tile.polygon[2]));
       if (all.back == all.front) return;
       tile.sides = [all](const Point&) { return all; };
     }
@@ -151,7 +152,7 @@ class Surfaces {
       Polygon line;
       for (std::size_t i = 0; i < change.polygon.size(); ++i) {
         const Point& corner = change.polygon[i];
-        if (names_.planes()[plane].has_on(corner)) line.push_back(corner);
+        if (side(names_.planes()[plane], corner) == 0) line.push_back(corner);
       }
       if (line.size() != 2 || !CGAL::do_overlap(box, bounds(line))) continue;
       if (keep_within(line, plane, other)) tile.lines.push_back(std::move(line));
@@ -180,8 +181,6 @@ class Surfaces {
 
 std::size_t partial_sites(const PartialCell& cell) { return partial::count_sites(cell); }
 
-PartialSurface partial_surface(const PartialCell& cell) {
-  return partial::Surfaces(cell).result();
-}
+PartialSurface partial_surface(const PartialCell& cell) { return partial::Surfaces(cell).result(); }
 
 }  // namespace transect::skeleton

@@ -46,8 +46,8 @@ class Pieces {
     std::vector<std::pair<double, Edge>> found;
     for (const auto& [edge, left] : left_of_) {
       if (edge.first < edge.second && left_of_.count({edge.second, edge.first})) {
-        const double length = CGAL::to_double(
-            CGAL::squared_distance(points_[edge.first], points_[edge.second]));
+        const double length =
+            CGAL::to_double(CGAL::squared_distance(points_[edge.first], points_[edge.second]));
         found.push_back({-length, edge});
       }
     }
@@ -279,8 +279,7 @@ std::vector<std::vector<Point>> PlanarMap::known() const {
   Pieces pieces(points);
   for (auto face : outlines.finite_face_handles()) {
     const auto corner = [&](int i) { return face->vertex(i); };
-    const Flat inside =
-        CGAL::centroid(corner(0)->point(), corner(1)->point(), corner(2)->point());
+    const Flat inside = CGAL::centroid(corner(0)->point(), corner(1)->point(), corner(2)->point());
     if (at(chart_.up(inside), CGAL::NULL_VECTOR) == unknown) continue;
     pieces.add({names[corner(0)], names[corner(1)], names[corner(2)]});
   }

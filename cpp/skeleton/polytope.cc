@@ -1,16 +1,63 @@
 #include "transect/cpp/skeleton/polytope.h"
 
+#include <CGAL/Fraction_traits.h>
+
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
 namespace transect::skeleton::partial {
 namespace {
 
+// A double and more than its error, whatever way is rounded.
+struct Near {
+  double value, error;
+
+  explicit Near(const Number& number) {
+    const auto [low, high] = CGAL::to_interval(number);
+    value = low;
+    error = high - low;
+  }
+  Near(double value, double error) : value(value), error(error + 1e-15 * std::abs(value)) {}
+  Near operator+(const Near& other) const {
+    return {value + other.value, 1.000001 * (error + other.error)};
+  }
+  Near operator*(const Near& other) const {
+    return {value * other.value, 1.000001 * (std::abs(value) * other.error +
+                                             error * (std::abs(other.value) + other.error))};
+  }
+};
+
+using Rational = Kernel::Exact_kernel::FT;
+using Parts = CGAL::Fraction_traits<Rational>;
+using Integer = Parts::Numerator_type;
+
+// A product of two numbers as a fraction that need not be reduced.
+struct Product {
+  Integer above, below;
+
+  Product(const Number& a, const Number& b) {
+    Integer a_above, a_below, b_above, b_below;
+    Parts::Decompose()(CGAL::exact(a), a_above, a_below);
+    Parts::Decompose()(CGAL::exact(b), b_above, b_below);
+    above = a_above * b_above;
+    below = a_below * b_below;
+  }
+  Product(const Product& a, const Product& b)
+      : above(a.above * b.below + b.above * a.below), below(a.below * b.below) {}
+};
+
+int exact_side(const Halfspace& plane, const Point& p) {
+  const Product one(Product(plane.a(), p.x()), Product(plane.b(), p.y()));
+  const Product two(Product(plane.c(), p.z()), Product(plane.d(), 1));
+  return CGAL::sign(Integer(one.above * two.below + two.above * one.below));
+}
+
 std::vector<int> signs(const std::vector<Point>& points, const Halfspace& plane) {
   std::vector<int> result;
   result.reserve(points.size());
-  for (const Point& point : points) result.push_back(plane.oriented_side(point));
+  for (const Point& point : points) result.push_back(side(plane, point));
   return result;
 }
 
@@ -87,6 +134,15 @@ class Cut {
 
 }  // namespace
 
+int side(const Halfspace& plane, const Point& point) {
+  Near sum = Near(plane.a()) * Near(point.x());
+  sum = sum + Near(plane.b()) * Near(point.y());
+  sum = sum + Near(plane.c()) * Near(point.z());
+  sum = sum + Near(plane.d());
+  if (std::abs(sum.value) > sum.error) return sum.value > 0 ? 1 : -1;
+  return exact_side(plane, point);
+}
+
 Point crossing(const Halfspace& plane, const Point& a, const Point& b) {
   const Number at_a = value(plane, a), at_b = value(plane, b);
   const Point point = a + (b - a) * (at_a / (at_a - at_b));
@@ -115,7 +171,7 @@ bool clip(Polygon& polygon, const Halfspace& plane) {
 Polytope::Sides Polytope::sides(const Halfspace& plane) const {
   Sides sides{false, false};
   for (const Point& point : points) {
-    const int sign = plane.oriented_side(point);
+    const int sign = side(plane, point);
     sides.behind |= sign < 0;
     sides.front |= sign > 0;
     if (sides.behind && sides.front) break;

@@ -8,6 +8,10 @@ namespace transect::skeleton::partial {
 using Halfspace = Kernel::Plane_3;  // what is on the negative side, or on the plane
 using Polygon = std::vector<Point>;
 
+// Negative behind the plane, 0 on it. Exact as the kernel's own, but without reducing
+// fractions, since corners of polytopes are on planes all the time.
+int side(const Halfspace& plane, const Point& point);
+
 // Where the segment from a to b crosses the plane, which separates its ends.
 Point crossing(const Halfspace& plane, const Point& a, const Point& b);
 
@@ -15,7 +19,7 @@ Point crossing(const Halfspace& plane, const Point& a, const Point& b);
 bool clip(Polygon& polygon, const Halfspace& plane);
 
 struct Facet {
-  const Halfspace* plane;    // the polytope is behind it
+  const Halfspace* plane;   // the polytope is behind it
   std::vector<Index> loop;  // counter-clockwise, seen from outside
 };
 

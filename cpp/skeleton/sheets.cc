@@ -139,8 +139,8 @@ bool Sides::operator==(const Sides& other) const {
 }
 
 PlaneNames::Name PlaneNames::name(const Kernel::Plane_3& plane) {
-  const Rational whole[4] = {CGAL::exact(plane.a()), CGAL::exact(plane.b()),
-                             CGAL::exact(plane.c()), CGAL::exact(plane.d())};
+  const Rational whole[4] = {CGAL::exact(plane.a()), CGAL::exact(plane.b()), CGAL::exact(plane.c()),
+                             CGAL::exact(plane.d())};
   int lead = 0;
   while (CGAL::sign(whole[lead]) == CGAL::ZERO) ++lead;
   std::array<Rational, 4> key;
@@ -190,8 +190,9 @@ std::vector<Point> PointIndex::between(const Point& from, const Point& to) const
     const auto& all = sorted_[axis];
     const Iterator low =
         std::lower_bound(all.begin(), all.end(), box.min(axis) - 2 * width_[axis], before);
-    const Iterator high = std::upper_bound(
-        low, all.end(), box.max(axis), [](double at, const Entry& entry) { return at < entry.low; });
+    const Iterator high =
+        std::upper_bound(low, all.end(), box.max(axis),
+                         [](double at, const Entry& entry) { return at < entry.low; });
     if (axis == 0 || high - low < last - first) {
       first = low;
       last = high;
@@ -245,7 +246,10 @@ void triangulate(const Kernel::Plane_3& plane, const std::vector<Seam>& seams,
     if (const auto& at = sides[face->info()]) {
       triangles.push_back(
           {{face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()},
-           at->back, at->front, at->kind, {at->planes[0], at->planes[1]}});
+           at->back,
+           at->front,
+           at->kind,
+           {at->planes[0], at->planes[1]}});
     }
   }
 }

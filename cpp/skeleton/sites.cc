@@ -160,10 +160,9 @@ class Zones {
     const Linear distance = through(left + (right - left) * t, corner(i));
     if (distance.at(corner(i + 2)) >= 0) return {};
     const Vector &v = gauge_.corners[edge.corners[0]], &w = gauge_.corners[edge.corners[1]];
-    std::vector<Halfspace> bounds{spanned(corner(i), v, w, corner(i + 1)),
-                                  spanned(corner(i + 1), v, w, corner(i)),
-                                  spanned(corner(i), along, v, corner(i) + w),
-                                  spanned(corner(i), along, w, corner(i) + v)};
+    std::vector<Halfspace> bounds{
+        spanned(corner(i), v, w, corner(i + 1)), spanned(corner(i + 1), v, w, corner(i)),
+        spanned(corner(i), along, v, corner(i) + w), spanned(corner(i), along, w, corner(i) + v)};
     return Zone{distance, std::move(bounds), {corner(i), corner(i + 1)}, {v, w}, on_edge_[i]};
   }
 

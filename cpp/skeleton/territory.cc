@@ -31,7 +31,7 @@ Polytope::Sides Distances::sides(const Polytope& body, Owner owner, Owner rival)
     const auto [a, error_a] = own.at(x);
     const auto [b, error_b] = other.at(x);
     const bool clear = std::abs(a - b) > error_a + error_b;
-    const int sign = clear ? (a < b ? -1 : 1) : nearer(owner, rival).oriented_side(point);
+    const int sign = clear ? (a < b ? -1 : 1) : side(nearer(owner, rival), point);
     sides.behind |= sign < 0;
     sides.front |= sign > 0;
     if (sides.behind && sides.front) break;
