@@ -101,6 +101,7 @@ struct Skeleton::Parts {
   Scene scene;
   Cells cells;
   std::unique_ptr<LinePoints> line_points;
+  std::unique_ptr<Patches> patches;
   unsigned bits;
   double size = 0;
 
@@ -113,6 +114,7 @@ struct Skeleton::Parts {
     cells = make_cells(scene);
     find_contradictions(scene);
     line_points = std::make_unique<LinePoints>(scene);
+    patches = std::make_unique<Patches>(scene, cells);
   }
 };
 
@@ -175,9 +177,13 @@ rust::Vec<ContradictionOutput> Skeleton::contradictions() const {
 }
 
 CellOutput Skeleton::surface(std::uint32_t cell, bool exact) const {
-  const CellSurface made =
-      skeleton::surface(parts_->scene, parts_->cells, *parts_->line_points, cell);
+  const CellSurface made = skeleton::surface(
+      {parts_->scene, parts_->cells, *parts_->line_points, *parts_->patches}, cell);
   CellOutput out;
+  out.is_left_out = made.is_left_out;
+  for (const Split& split : made.splits) {
+    for (Index point : {split.from, split.to, split.point}) out.splits.push_back(point);
+  }
   for (const Point& point : made.added) {
     for (int axis = 0; axis < 3; ++axis) out.points.push_back(rounded(point[axis], parts_->size));
     if (exact) push_exact(point, out.exact);

@@ -1,16 +1,31 @@
 // The surfaces in one cell.
 #pragma once
 
-#include "transect/cpp/skeleton/cells.h"
+#include "transect/cpp/skeleton/patches.h"
 
 namespace transect::skeleton {
+
+// A point on a contour's piece that only one of the cells beside it knows.
+struct Split {
+  Index from, to, point;
+};
 
 struct CellSurface {
   std::vector<Point> added;  // the points that follow the scene's
   std::vector<Triangle> triangles;
+  std::vector<Split> splits;
+  // There are too many partial sections to partition the cell: it has no surface.
+  bool is_left_out = false;
 };
 
-CellSurface surface(const Scene& scene, const Cells& cells, const LinePoints& line_points,
-                    Index cell);
+// What does not change while cells are worked on.
+struct Prepared {
+  const Scene& scene;
+  const Cells& cells;
+  const LinePoints& line_points;
+  const Patches& patches;
+};
+
+CellSurface surface(const Prepared& prepared, Index cell);
 
 }  // namespace transect::skeleton

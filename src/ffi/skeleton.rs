@@ -46,6 +46,11 @@ mod bridge {
         walls: Vec<u8>,
         /// Two planes a triangle; those of the box follow the sections'.
         planes: Vec<u32>,
+        /// Ends of a contour's piece and a point between them that triangles
+        /// here have, and those in the cell beyond may not.
+        splits: Vec<u32>,
+        /// Whether there are too many partial sections for a surface.
+        is_left_out: bool,
     }
 
     /// Where two sections never say the same on their common line.

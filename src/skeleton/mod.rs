@@ -13,6 +13,7 @@
 
 mod input;
 mod merge;
+mod splits;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -25,6 +26,8 @@ use crate::mesh::Mesh;
 use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::Section;
+
+use splits::Split;
 
 /// How far apart two sections' changes of label on their common line may be to
 /// be taken for one, relative to the box's diagonal: what rounding in files
@@ -115,8 +118,11 @@ pub struct Details {
     /// How many vertices were joined to others that rounding can hardly tell from
     /// them.
     pub joined: u32,
-    /// The cells between the sections.
+    /// The cells between the full sections.
     pub cells: u32,
+    /// Those that hold too many partial sections and have no surface: the mesh is
+    /// not closed around them.
+    pub left_out: Vec<u32>,
     /// The accuracy of distances that sufficed.
     pub bits: u32,
 }
@@ -157,6 +163,7 @@ pub fn skeleton(
     if !options.exact {
         made.details.joined = merge::merge(&mut made, MERGED * bounds.diagonal());
     }
+    compact(&mut made);
     let details = &mut made.details;
     details.contradictions = contradictions_of(sections, contradictions);
     details.snapped = prepared.snapped();
@@ -173,20 +180,27 @@ struct Joined {
     corners: Vec<u32>,
     sides: Vec<[Label; 2]>,
     origins: Vec<Origin>,
+    splits: Vec<Split>,
+    left_out: Vec<u32>,
     sections: u32,
 }
 
 impl Joined {
     fn new(points: Vec<f64>, sections: u32) -> Self {
         let shared = points.len() as u32 / 3;
-        let (corners, sides, origins) = Default::default();
-        Self { points, shared, exact: None, corners, sides, origins, sections }
+        let (corners, sides, origins, splits, left_out) = Default::default();
+        Self { points, shared, exact: None, corners, sides, origins, splits, left_out, sections }
     }
 
     fn add(&mut self, cell: u32, output: CellOutput) {
         let offset = self.points.len() as u32 / 3 - self.shared;
         let number = |corner: u32| if corner < self.shared { corner } else { corner + offset };
         self.corners.extend(output.corners.iter().map(|&corner| number(corner)));
+        let splits = output.splits.chunks_exact(3);
+        self.splits.extend(splits.map(|split| [split[0], split[1], split[2]].map(number)));
+        if output.is_left_out {
+            self.left_out.push(cell);
+        }
         self.points.extend(output.points);
         if let Some(exact) = &mut self.exact {
             exact.extend(output.exact);
@@ -202,25 +216,43 @@ impl Joined {
         }));
     }
 
-    /// With the points that triangles use alone.
     fn into_skeleton(self) -> Skeleton {
-        let mut number = vec![u32::MAX; self.points.len() / 3];
-        let mut mesh = Mesh { sides: self.sides, ..Mesh::default() };
-        let mut exact = self.exact.as_ref().map(|_| Vec::new());
-        for corners in self.corners.chunks_exact(3) {
-            mesh.triangles.push([corners[0], corners[1], corners[2]].map(|corner| {
-                let at = corner as usize;
-                if number[at] == u32::MAX {
-                    number[at] = mesh.vertices.len() as u32;
-                    mesh.vertices.push(DVec3::from_slice(&self.points[3 * at..]));
-                    if let (Some(kept), Some(all)) = (&mut exact, &self.exact) {
-                        kept.push([0, 1, 2].map(|axis| all[3 * at + axis].clone()));
-                    }
-                }
-                number[at]
-            }));
+        let vertices = self.points.chunks_exact(3).map(DVec3::from_slice).collect();
+        let corners = self.corners.chunks_exact(3);
+        let triangles = corners.map(|corners| [corners[0], corners[1], corners[2]]).collect();
+        let mesh = Mesh { vertices, triangles, sides: self.sides };
+        let exact = self.exact.map(|all| {
+            let (points, _) = all.as_chunks::<3>();
+            points.to_vec()
+        });
+        let details = Details {
+            origins: self.origins,
+            exact,
+            left_out: self.left_out,
+            ..Details::default()
+        };
+        let mut skeleton = Skeleton { mesh, details };
+        splits::divide(&mut skeleton, &self.splits);
+        skeleton
+    }
+}
+
+/// Leaves out the points that no triangle uses; the others come in the order in
+/// which triangles do.
+fn compact(skeleton: &mut Skeleton) {
+    let mut number = vec![u32::MAX; skeleton.mesh.vertices.len()];
+    let mut order = Vec::new();
+    for corner in skeleton.mesh.triangles.as_flattened_mut() {
+        let number = &mut number[*corner as usize];
+        if *number == u32::MAX {
+            *number = order.len() as u32;
+            order.push(*corner as usize);
         }
-        Skeleton { mesh, details: Details { origins: self.origins, exact, ..Details::default() } }
+        *corner = *number;
+    }
+    skeleton.mesh.vertices = order.iter().map(|&at| skeleton.mesh.vertices[at]).collect();
+    if let Some(exact) = &mut skeleton.details.exact {
+        *exact = order.iter().map(|&at| std::mem::take(&mut exact[at])).collect();
     }
 }
 

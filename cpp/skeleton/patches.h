@@ -1,0 +1,25 @@
+// Which partial sections are in which cell.
+#pragma once
+
+#include "transect/cpp/skeleton/cells.h"
+#include "transect/cpp/skeleton/partial.h"
+
+namespace transect::skeleton {
+
+// Cells that hold known parts of partial sections.
+class Patches {
+ public:
+  Patches(const Scene& scene, const Cells& cells);
+
+  bool in(Index cell) const { return !patches_[cell].empty(); }
+
+  // The cell with its own numbers of points, and the scene's number of each.
+  PartialCell cell(Index cell, std::vector<Index>& shared) const;
+
+ private:
+  const Scene& scene_;
+  const Cells& cells_;
+  std::vector<std::vector<CellPlane>> patches_;  // points by the scene's numbers
+};
+
+}  // namespace transect::skeleton
