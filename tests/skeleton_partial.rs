@@ -65,7 +65,7 @@ fn body(mesh: &Mesh, label: u32) -> f64 {
 /// the face x = −1.5: |z| ≤ x + 1.5. So 2 · (¼ · 5/8 + ½ · ¾).
 #[test]
 fn half_a_plane() {
-    let known = (Label(0), rectangle([-9.0, 0.0], [-9.0, 9.0]));
+    let known = (Label(0), rectangle([-8.0, 0.0], [-8.0, 8.0]));
     let material = (Label(1), rectangle([-1.0, -0.25], [-0.5, 0.5]));
     let result = reconstruct(&[flat(0.0).section(&[known, material])]);
     assert!((body(&result.mesh, 1) - 1.0625).abs() < 1e-9);
@@ -95,7 +95,7 @@ fn a_floating_patch_of_two_labels() {
 /// Known all around, so the hole is filled.
 #[test]
 fn a_hole_and_a_slit() {
-    let known = (Label(0), rectangle([-9.0, 9.0], [-9.0, 9.0]));
+    let known = (Label(0), rectangle([-8.0, 8.0], [-8.0, 8.0]));
     let material = (Label(1), rectangle([-1.0, 1.0], [-0.75, 0.75]));
     for hole in
         [rectangle([-0.25, 0.25], [-0.25, 0.25]), rectangle([-0.75, 0.75], [-0.0625, 0.0625])]
@@ -131,7 +131,7 @@ fn three_patches() {
 /// (the paper's Figure 8), and not without it.
 #[test]
 fn a_patch_guides() {
-    let whole = (Label(0), rectangle([-9.0, 9.0], [-9.0, 9.0]));
+    let whole = (Label(0), rectangle([-8.0, 8.0], [-8.0, 8.0]));
     let stripe = |x: [f64; 2]| (Label(1), rectangle(x, [-0.5, 0.5]));
     let slices = [
         flat(-0.75).section(&[whole.clone(), stripe([-1.0, -0.25])]),
