@@ -1,0 +1,146 @@
+//! The exact reconstruction with partial sections: every label is closed and in
+//! one piece, and nearly everywhere the label is that of the nearest known point.
+
+use glam::DVec3;
+use transect::label::Label;
+use transect::mesh::Mesh;
+use transect::plane::{Bounds, Plane};
+use transect::progress::Silent;
+use transect::section::{Loop, Rules, Section};
+use transect::skeleton::{Options, Skeleton, skeleton};
+
+const BOX: Bounds = Bounds { min: DVec3::splat(-1.5), max: DVec3::splat(1.5) };
+
+/// A plane through `origin` along `across` and `along`.
+struct Frame {
+    origin: DVec3,
+    across: DVec3,
+    along: DVec3,
+}
+
+fn flat(height: f64) -> Frame {
+    Frame { origin: DVec3::Z * height, across: DVec3::X, along: DVec3::Y }
+}
+
+impl Frame {
+    /// Nothing is known but within the loops.
+    fn section(&self, loops: &[(Label, Vec<[f64; 2]>)]) -> Section {
+        let around = (Label::UNKNOWN, rectangle([-9.0, 9.0], [-9.0, 9.0]));
+        let place = |[u, v]: [f64; 2]| self.origin + u * self.across + v * self.along;
+        let loops: Vec<Loop> = std::iter::once(&around)
+            .chain(loops)
+            .map(|(label, points)| Loop {
+                points: points.iter().copied().map(place).collect(),
+                label: *label,
+                hole_of: None,
+            })
+            .collect();
+        let normal = self.across.cross(self.along);
+        let plane = Plane { normal, offset: normal.dot(self.origin) };
+        Section::from_loops("partial", plane, &loops, 3.0, &Rules::default()).expect("a section").0
+    }
+}
+
+fn rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> Vec<[f64; 2]> {
+    vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
+}
+
+fn reconstruct(sections: &[Section]) -> Skeleton {
+    let result = skeleton(sections, BOX, &Options::default(), &Silent).expect("a skeleton");
+    assert!(result.details.left_out.is_empty());
+    result
+}
+
+/// The label is one body without handles; its volume.
+fn body(mesh: &Mesh, label: u32) -> f64 {
+    let facts = mesh.surface(Label(label)).facts(true).expect("facts");
+    assert!(facts.closed && facts.outward, "label {label}: {facts:?}");
+    assert_eq!((facts.components, facts.genus), (1, 0), "label {label}");
+    assert_eq!(facts.self_intersections, Some(0), "label {label}");
+    mesh.surface(Label(label)).volume()
+}
+
+/// Half of the plane z = 0 is outside but for a rectangle of label 1. Its body
+/// reaches to halfway between the plane and the box, |z| ≤ ¾, and no nearer to
+/// the face x = −1.5: |z| ≤ x + 1.5. So 2 · (¼ · 5/8 + ½ · ¾).
+#[test]
+fn half_a_plane() {
+    let known = (Label(0), rectangle([-8.0, 0.0], [-8.0, 8.0]));
+    let material = (Label(1), rectangle([-1.0, -0.25], [-0.5, 0.5]));
+    let result = reconstruct(&[flat(0.0).section(&[known, material])]);
+    assert!((body(&result.mesh, 1) - 1.0625).abs() < 1e-9);
+}
+
+/// A floating square of half size a spreads to all sides, but no farther than
+/// halfway to the box: within a cube of half size 1, and at least over its own prism.
+#[test]
+fn a_floating_patch() {
+    let material = (Label(1), rectangle([-0.5, 0.5], [-0.5, 0.5]));
+    let result = reconstruct(&[flat(0.0).section(&[material])]);
+    let volume = body(&result.mesh, 1);
+    assert!(volume > 1.5 && volume < 8.0 * 0.75, "{volume}");
+}
+
+/// The two halves of a patch have labels of their own, and bodies of one size.
+#[test]
+fn a_floating_patch_of_two_labels() {
+    let halves = [
+        (Label(1), rectangle([-0.5, 0.0], [-0.5, 0.5])),
+        (Label(2), rectangle([0.0, 0.5], [-0.5, 0.5])),
+    ];
+    let result = reconstruct(&[flat(0.0).section(&halves)]);
+    assert!((body(&result.mesh, 1) - body(&result.mesh, 2)).abs() < 1e-9);
+}
+
+/// Known all around, so the hole is filled.
+#[test]
+fn a_hole_and_a_slit() {
+    let known = (Label(0), rectangle([-8.0, 8.0], [-8.0, 8.0]));
+    let material = (Label(1), rectangle([-1.0, 1.0], [-0.75, 0.75]));
+    for hole in
+        [rectangle([-0.25, 0.25], [-0.25, 0.25]), rectangle([-0.75, 0.75], [-0.0625, 0.0625])]
+    {
+        let hole = (Label::UNKNOWN, hole);
+        let loops = [known.clone(), material.clone(), hole];
+        body(&reconstruct(&[flat(0.0).section(&loops)]).mesh, 1);
+    }
+}
+
+#[test]
+fn a_nonconvex_patch() {
+    let corners = [[-0.75, -0.75], [0.75, -0.75], [0.75, 0.0], [0.0, 0.0], [0.0, 0.75]];
+    let outline = corners.into_iter().chain([[-0.75, 0.75]]).collect();
+    body(&reconstruct(&[flat(0.0).section(&[(Label(1), outline)])]).mesh, 1);
+}
+
+#[test]
+fn three_patches() {
+    let upright = Frame { origin: DVec3::X, across: DVec3::Z, along: DVec3::Y };
+    let sections = [
+        flat(-0.75).section(&[(Label(1), rectangle([-0.5, 0.5], [-0.5, 0.5]))]),
+        flat(0.75).section(&[(Label(2), rectangle([-0.5, 0.25], [-0.25, 0.5]))]),
+        upright.section(&[(Label(3), rectangle([-0.25, 0.25], [-0.5, 0.5]))]),
+    ];
+    let result = reconstruct(&sections);
+    for label in 1..=3 {
+        body(&result.mesh, label);
+    }
+}
+
+/// Two slices whose stripes are not above each other are joined by a patch in between
+/// (the paper's Figure 8), and not without it.
+#[test]
+fn a_patch_guides() {
+    let whole = (Label(0), rectangle([-8.0, 8.0], [-8.0, 8.0]));
+    let stripe = |x: [f64; 2]| (Label(1), rectangle(x, [-0.5, 0.5]));
+    let slices = [
+        flat(-0.75).section(&[whole.clone(), stripe([-1.0, -0.25])]),
+        flat(0.75).section(&[whole, stripe([0.25, 1.0])]),
+    ];
+    let apart = reconstruct(&slices);
+    let facts = apart.mesh.surface(Label(1)).facts(true).expect("facts");
+    assert_eq!(facts.components, 2);
+    let [lower, upper] = slices;
+    let guide = flat(0.0).section(&[(Label(1), rectangle([-0.75, 0.75], [-0.375, 0.375]))]);
+    body(&reconstruct(&[lower, upper, guide]).mesh, 1);
+}
