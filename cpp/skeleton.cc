@@ -159,6 +159,18 @@ rust::Vec<rust::String> Skeleton::exact_points() const {
   return out;
 }
 
+rust::Vec<std::uint32_t> Skeleton::contours() const {
+  rust::Vec<std::uint32_t> out;
+  for (const Section& section : parts_->scene.sections) {
+    for (const Piece& piece : section.pieces) {
+      if (piece.left == unknown || piece.right == unknown) continue;
+      out.push_back(piece.from);
+      out.push_back(piece.to);
+    }
+  }
+  return out;
+}
+
 rust::Vec<ContradictionOutput> Skeleton::contradictions() const {
   rust::Vec<ContradictionOutput> out;
   for (const Contradiction& found : parts_->scene.contradictions) {

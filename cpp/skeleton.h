@@ -24,6 +24,7 @@ class Skeleton {
   std::uint32_t snapped() const;
   rust::Vec<double> points() const;
   rust::Vec<rust::String> exact_points() const;
+  rust::Vec<std::uint32_t> contours() const;
   rust::Vec<ContradictionOutput> contradictions() const;
   CellOutput surface(std::uint32_t cell, bool exact) const;
 

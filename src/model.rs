@@ -16,6 +16,7 @@ use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::delaunay::{self, delaunay};
 use crate::mesh::dual::dual;
+use crate::mesh::fairing::{FairingOptions, fair};
 use crate::oracle::Oracle;
 use crate::plane::Bounds;
 use crate::progress::Progress;
@@ -30,6 +31,9 @@ const MARGIN: f64 = 0.05;
 /// points are taken to be this far away. On the plane the indicator is a
 /// step, in which an interpolated crossing would be lost.
 const CLEARANCE: f64 = 0.02;
+
+/// Steps of smoothing on each of fairing's levels.
+const FAIRING_STEPS: u32 = 10;
 
 /// How a model is derived from its sections.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +65,19 @@ pub enum Method {
     MeanValue,
     /// By the nearest section, exactly (Barequet and Vaxman 2009). Neither
     /// smoothing nor mesher nor device matter to it.
-    Skeleton(skeleton::Options),
+    Skeleton {
+        /// How that is done.
+        options: skeleton::Options,
+        /// Whether the surface is made fair afterwards.
+        fairing: Option<Fairing>,
+    },
+}
+
+/// How an exact surface is made fair.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Fairing {
+    /// How long edges are to be, in world units; a voxel when it is not given.
+    pub edge_length: Option<f64>,
 }
 
 /// How the surface is made from the samples.
@@ -186,35 +202,55 @@ fn derive(
     require_memory(&lattice, all, sections.materials.len())?;
     match &options.method {
         Method::MeanValue => derive_field(all, bounds, &lattice, options, stages, progress),
-        Method::Skeleton(exact) => derive_skeleton(all, bounds, &lattice, exact, stages, progress),
+        Method::Skeleton { options, fairing } => {
+            let (options, fairing) = (*options, *fairing);
+            derive_skeleton(all, bounds, &lattice, options, fairing, stages, progress)
+        }
     }
 }
 
-/// Exactly; the samples only say labels.
+/// Exactly; the samples only say labels. Where there are too many partial
+/// sections for that, from nearest points on the grid.
 fn derive_skeleton(
     sections: &[Section],
     bounds: Bounds,
     lattice: &Lattice,
-    options: &skeleton::Options,
+    options: skeleton::Options,
+    fairing: Option<Fairing>,
     stages: &mut Stages,
     progress: &dyn Progress,
 ) -> Result<Derived> {
-    let made = stages.run("skeleton", |counts| {
-        let made = skeleton(sections, bounds, options, progress)?;
+    let mut made = stages.run("skeleton", |counts| {
+        let made = skeleton(sections, bounds, &options, progress)?;
         counts.insert("cells".into(), made.details.cells.into());
         counts.insert("vertices".into(), made.mesh.vertices.len() as u64);
         counts.insert("triangles".into(), made.mesh.triangles.len() as u64);
         Ok(made)
     })?;
+    let oracle = Oracle::new(sections, bounds, Label::OUTSIDE)?;
+    let is_exact = made.details.left_out.is_empty();
     let samples = stages.run("labels", |counts| {
         progress.begin("labels", 0);
-        let oracle = Oracle::new(sections, bounds, Label::OUTSIDE)?;
-        let samples = oracle.sample_labels(lattice, progress)?;
+        let samples = match is_exact {
+            true => oracle.sample_labels(lattice, progress)?,
+            false => oracle.sample(lattice, progress)?,
+        };
         counts.insert("leaves".into(), samples.leaves.len() as u64);
         Ok(samples)
     })?;
-    let device = "exact arithmetic".to_owned();
-    let exact = Some(made.details);
+    if !is_exact {
+        made.mesh = stages.run("mesh", |_| dual(&samples, progress))?;
+    } else if let Some(fairing) = fairing {
+        let edge_length = fairing.edge_length.unwrap_or(lattice.voxel);
+        let options = FairingOptions { edge_length, steps: FAIRING_STEPS };
+        made.mesh = stages.run("fairing", |counts| {
+            progress.begin("fairing", 0);
+            let mesh = fair(&made.mesh, &made.details.contours, &options)?;
+            counts.insert("triangles".into(), mesh.triangles.len() as u64);
+            Ok(mesh)
+        })?;
+    }
+    let (device, exact) = ("exact arithmetic".to_owned(), Some(made.details));
     Ok(Derived { arrangement: None, samples, mesh: made.mesh, device, exact })
 }
 

@@ -19,12 +19,12 @@ use crate::io::{self};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
-use crate::model::{Derived, Mesher, Method, Model, Options};
+use crate::model::{Derived, Fairing, Mesher, Method, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
 use crate::report::Report;
 use crate::section::Sections;
-use crate::skeleton;
+use crate::skeleton::{self, Details};
 use crate::stage::Stages;
 
 /// Reconstructs and writes.
@@ -88,6 +88,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         })?;
     }
     if let (Some(path), Some(details)) = (&arguments.exact, &derived.exact) {
+        require_exact(details)?;
         stages.run("exact", |_| {
             outputs.write(path, |out| {
                 write_exact(&derived.mesh, details, out).map_err(|error| write_error(path, &error))
@@ -130,10 +131,14 @@ fn options(arguments: &ReconstructArguments) -> Result<Options> {
 fn method(arguments: &ReconstructArguments) -> Result<Method> {
     let exact = arguments.exact.is_some();
     if arguments.method == MethodName::Mvc {
-        return match exact {
-            true => Err(Error::Option("--exact needs --method skeleton".to_owned())),
+        return match exact || arguments.fair.is_some() {
+            true => Err(Error::Option("--exact and --fair need --method skeleton".to_owned())),
             false => Ok(Method::MeanValue),
         };
+    }
+    if exact && arguments.fair.is_some() {
+        let what = "--fair moves vertices away from their exact places: leave it or --exact out";
+        return Err(Error::Option(what.to_owned()));
     }
     if arguments.border != BorderName::Outside {
         return Err(Error::Option("--method skeleton needs --box outside".to_owned()));
@@ -142,7 +147,19 @@ fn method(arguments: &ReconstructArguments) -> Result<Method> {
         let what = "--method skeleton makes its surface without a grid: leave --mesher out";
         return Err(Error::Option(what.to_owned()));
     }
-    Ok(Method::Skeleton(skeleton::Options { exact, ..skeleton::Options::default() }))
+    let options = skeleton::Options { exact, ..skeleton::Options::default() };
+    let fairing = arguments.fair.map(|edge_length| Fairing { edge_length });
+    Ok(Method::Skeleton { options, fairing })
+}
+
+/// Exact coordinates are of an exact surface alone.
+fn require_exact(details: &Details) -> Result<()> {
+    match details.left_out.len() {
+        0 => Ok(()),
+        cells => Err(Error::Option(format!(
+            "{cells} cells hold more partial sections than can be done exactly: leave --exact out"
+        ))),
+    }
 }
 
 /// All files whose names are known before anything is read.

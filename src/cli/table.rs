@@ -115,6 +115,15 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
 
 /// What is exact is listed, however short.
 fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
+    if !exact.left_out.is_empty() {
+        writeln!(
+            out,
+            "{} of {} cells hold too many partial sections to be exact: the surface comes from \
+             nearest points on the grid",
+            exact.left_out.len(),
+            exact.cells
+        )?;
+    }
     writeln!(
         out,
         "common lines     {} places made one, {} contradictions",

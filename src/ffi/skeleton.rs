@@ -85,6 +85,8 @@ mod bridge {
         fn points(self: &Skeleton) -> Result<Vec<f64>>;
         /// The same as fractions.
         fn exact_points(self: &Skeleton) -> Result<Vec<String>>;
+        /// The pieces of contours between known labels, two shared points each.
+        fn contours(self: &Skeleton) -> Vec<u32>;
         /// Where sections contradict each other.
         fn contradictions(self: &Skeleton) -> Result<Vec<ContradictionOutput>>;
         /// The surfaces in a cell. Several threads may ask at once.

@@ -25,6 +25,10 @@ pub(super) fn merge(skeleton: &mut Skeleton, distance: f64) -> u32 {
     for corner in skeleton.mesh.triangles.as_flattened_mut() {
         *corner = first[*corner as usize];
     }
+    for end in skeleton.details.contours.as_flattened_mut() {
+        *end = first[*end as usize];
+    }
+    skeleton.details.contours.retain(|[from, to]| from != to);
     cancel(skeleton);
     joined as u32
 }

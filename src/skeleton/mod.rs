@@ -106,6 +106,9 @@ pub struct Details {
     /// For every triangle where it comes from.
     #[serde(skip)]
     pub origins: Vec<Origin>,
+    /// The contours on the mesh, by two vertices each.
+    #[serde(skip)]
+    pub contours: Vec<[u32; 2]>,
     /// For every vertex its exact coordinates, each "numerator/denominator", when
     /// asked for.
     #[serde(skip)]
@@ -159,7 +162,7 @@ pub fn skeleton(
         joined.add(cell as u32, output);
     }
     let contradictions = prepared.contradictions().map_err(failed)?;
-    let mut made = joined.into_skeleton();
+    let mut made = joined.into_skeleton(prepared.contours());
     if !options.exact {
         made.details.joined = merge::merge(&mut made, MERGED * bounds.diagonal());
     }
@@ -216,7 +219,7 @@ impl Joined {
         }));
     }
 
-    fn into_skeleton(self) -> Skeleton {
+    fn into_skeleton(self, contours: Vec<u32>) -> Skeleton {
         let vertices = self.points.chunks_exact(3).map(DVec3::from_slice).collect();
         let corners = self.corners.chunks_exact(3);
         let triangles = corners.map(|corners| [corners[0], corners[1], corners[2]]).collect();
@@ -227,6 +230,7 @@ impl Joined {
         });
         let details = Details {
             origins: self.origins,
+            contours: contours.as_chunks::<2>().0.to_vec(),
             exact,
             left_out: self.left_out,
             ..Details::default()
@@ -237,7 +241,7 @@ impl Joined {
     }
 }
 
-/// Leaves out the points that no triangle uses; the others come in the order in
+/// Leaves out the points and contours that no triangle uses; the others come in the order in
 /// which triangles do.
 fn compact(skeleton: &mut Skeleton) {
     let mut number = vec![u32::MAX; skeleton.mesh.vertices.len()];
@@ -250,6 +254,11 @@ fn compact(skeleton: &mut Skeleton) {
         }
         *corner = *number;
     }
+    let contours = &mut skeleton.details.contours;
+    for end in contours.as_flattened_mut() {
+        *end = number[*end as usize];
+    }
+    contours.retain(|ends| !ends.contains(&u32::MAX));
     skeleton.mesh.vertices = order.iter().map(|&at| skeleton.mesh.vertices[at]).collect();
     if let Some(exact) = &mut skeleton.details.exact {
         *exact = order.iter().map(|&at| std::mem::take(&mut exact[at])).collect();

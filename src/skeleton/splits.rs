@@ -15,6 +15,14 @@ pub(super) fn divide(skeleton: &mut Skeleton, splits: &[Split]) {
         on.entry([from.min(to), from.max(to)]).or_default().push(point);
     }
     let chains = chains(skeleton, on);
+    let contours = std::mem::take(&mut skeleton.details.contours);
+    for [mut from, to] in contours {
+        while let Some(&point) = chains.get(&[from, to]) {
+            skeleton.details.contours.push([from, point]);
+            from = point;
+        }
+        skeleton.details.contours.push([from, to]);
+    }
     let mut index = 0;
     while index < skeleton.mesh.triangles.len() {
         // What is divided is looked at again: another side may be on a piece.
