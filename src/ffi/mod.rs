@@ -3,6 +3,7 @@
 
 pub mod arrangement;
 pub mod delaunay;
+pub mod fairing;
 pub mod grid;
 pub mod measure;
 pub mod partition;

@@ -5,7 +5,9 @@ pub mod cut;
 pub mod delaunay;
 pub mod dual;
 pub mod facts;
+pub mod fairing;
 pub mod nearest;
+mod sets;
 #[cfg(test)]
 pub(crate) mod shapes;
 pub mod surface;
@@ -16,6 +18,7 @@ use crate::label::Label;
 use crate::plane::Bounds;
 
 pub use dual::dual;
+pub use fairing::fair;
 
 /// A network of triangles between labels. Junction curves are shared vertex
 /// for vertex.

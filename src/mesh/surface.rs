@@ -4,12 +4,13 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::sets::Sets;
 use super::{Mesh, Surface};
 use crate::label::Label;
 
 /// An edge of a triangle: its vertices in ascending order, then the triangle
 /// and which of its corners the edge starts at.
-type Side = ([u32; 2], u32, u8);
+pub(super) type Side = ([u32; 2], u32, u8);
 
 impl Mesh {
     /// The boundary of one label, oriented outward. Where its sheets touch in
@@ -50,49 +51,31 @@ impl Surface {
     }
 }
 
-/// Which corners of triangles are the same vertex: a union-find structure over
-/// `3 * triangle + corner`. Two corners at one vertex of the network are
-/// joined across an edge that both triangles share.
-struct Corners {
-    parent: Vec<u32>,
-}
+/// Which corners of triangles are the same vertex: sets of
+/// `3 * triangle + corner`. Two corners at one vertex of the network are joined
+/// across an edge that both triangles share.
+struct Corners(Sets);
 
 impl Corners {
     fn joined(mesh: &Mesh, triangles: &[[u32; 3]]) -> Self {
-        let mut corners = Self { parent: (0..3 * triangles.len() as u32).collect() };
+        let mut corners = Self(Sets::new(3 * triangles.len()));
         let sides = sorted_sides(triangles);
         for around in sides.chunk_by(|one, other| one.0 == other.0) {
             for [one, other] in wedges(mesh, triangles, around) {
-                corners.join(3 * one.1 + u32::from(one.2), 3 * other.1 + next(other.2));
-                corners.join(3 * one.1 + next(one.2), 3 * other.1 + u32::from(other.2));
+                join_ends(&mut corners.0, one, other);
             }
         }
         corners
     }
 
-    fn root(&mut self, mut corner: u32) -> u32 {
-        while self.parent[corner as usize] != corner {
-            let above = self.parent[corner as usize];
-            self.parent[corner as usize] = self.parent[above as usize];
-            corner = above;
-        }
-        corner
-    }
-
-    /// The smaller corner becomes the root.
-    fn join(&mut self, one: u32, other: u32) {
-        let (one, other) = (self.root(one), self.root(other));
-        self.parent[one.max(other) as usize] = one.min(other);
-    }
-
     /// One vertex for each set of joined corners, in the order of the first.
     fn into_surface(mut self, mesh: &Mesh, triangles: &[[u32; 3]]) -> Surface {
-        let mut number = vec![u32::MAX; self.parent.len()];
+        let mut number = vec![u32::MAX; 3 * triangles.len()];
         let mut surface = Surface::default();
         surface.triangles.reserve(triangles.len());
         for (triangle, vertices) in triangles.iter().enumerate() {
             surface.triangles.push(std::array::from_fn(|corner| {
-                let root = self.root((3 * triangle + corner) as u32) as usize;
+                let root = self.0.root((3 * triangle + corner) as u32) as usize;
                 if number[root] == u32::MAX {
                     number[root] = surface.vertices.len() as u32;
                     surface.vertices.push(mesh.vertices[vertices[corner] as usize]);
@@ -145,15 +128,24 @@ fn angle(mesh: &Mesh, triangles: &[[u32; 3]], side: &Side) -> f64 {
     (turn * out.dot(second)).atan2(out.dot(first))
 }
 
+/// Joins the corners at the ends of an edge that two triangles pass in opposite
+/// directions.
+pub(super) fn join_ends(corners: &mut Sets, one: &Side, other: &Side) {
+    corners.join(3 * one.1 + u32::from(one.2), 3 * other.1 + next(other.2));
+    corners.join(3 * one.1 + next(one.2), 3 * other.1 + u32::from(other.2));
+}
+
 fn next(corner: u8) -> u32 {
     u32::from((corner + 1) % 3)
 }
 
-fn starts_at(triangles: &[[u32; 3]], side: &Side) -> u32 {
+/// The vertex that a triangle passes the edge from.
+pub(super) fn starts_at(triangles: &[[u32; 3]], side: &Side) -> u32 {
     triangles[side.1 as usize][usize::from(side.2)]
 }
 
-fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+/// The edges of all triangles, those between the same vertices together.
+pub(super) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     let mut sides: Vec<Side> = triangles
         .par_iter()
         .enumerate()

@@ -1,0 +1,190 @@
+//! A network with edges that must stay, and what it takes to refine it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::mesh::surface::{Side, sorted_sides, starts_at};
+
+/// The ends of an edge, the smaller number first.
+pub type Ends = [u32; 2];
+
+/// A mesh in the making.
+pub struct Network {
+    pub mesh: Mesh,
+    /// Edges that stay where they are.
+    fixed: BTreeSet<Ends>,
+    /// For every vertex whether it stays where it is.
+    pub pinned: Vec<bool>,
+}
+
+/// The edges of a network.
+pub struct Edges {
+    /// Those of all triangles, the same ones together.
+    sides: Vec<Side>,
+}
+
+/// What meets at an edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Two triangles between the same two labels: a smooth surface.
+    Surface,
+    /// The same, and it must stay.
+    Fixed,
+    /// Anything else: a curve where surfaces meet or end.
+    Curve,
+}
+
+impl Network {
+    /// A mesh with edges that stay.
+    ///
+    /// # Errors
+    /// Where an edge has a vertex that the mesh has not.
+    pub fn new(mesh: &Mesh, fixed: &[[u32; 2]]) -> Result<Self> {
+        let mut pinned = vec![false; mesh.vertices.len()];
+        for &end in fixed.as_flattened() {
+            let Some(pinned) = pinned.get_mut(end as usize) else {
+                return Err(Error::Mesh(format!(
+                    "has {} vertices, but an edge to be kept ends in number {end}",
+                    mesh.vertices.len()
+                )));
+            };
+            *pinned = true;
+        }
+        let fixed = fixed.iter().map(|&[one, other]| [one.min(other), one.max(other)]).collect();
+        Ok(Self { mesh: mesh.clone(), fixed, pinned })
+    }
+
+    pub fn edges(&self) -> Edges {
+        Edges { sides: sorted_sides(&self.mesh.triangles) }
+    }
+
+    /// What meets at an edge, given its triangles' sides.
+    pub fn kind(&self, sides: &[Side]) -> Kind {
+        let labels = |side: &Side| self.mesh.sides[side.1 as usize];
+        let start = |side: &Side| starts_at(&self.mesh.triangles, side);
+        match sides {
+            [one, other] if labels(one) == labels(other) && start(one) != start(other) => {
+                if self.fixed.contains(&one.0) { Kind::Fixed } else { Kind::Surface }
+            }
+            _ => Kind::Curve,
+        }
+    }
+
+    /// At how many edges some label's triangles do not pass as often one way as
+    /// the other.
+    pub fn open_edges(&self) -> usize {
+        let is_open = |sides: &&[Side]| {
+            let mut balance: BTreeMap<Label, i32> = BTreeMap::new();
+            for side in *sides {
+                let [back, front] = self.mesh.sides[side.1 as usize];
+                let forward = starts_at(&self.mesh.triangles, side) == side.0[0];
+                let way = if forward { 1 } else { -1 };
+                *balance.entry(back).or_default() += way;
+                *balance.entry(front).or_default() -= way;
+            }
+            balance.values().any(|&balance| balance != 0)
+        };
+        self.edges().iter().filter(is_open).count()
+    }
+
+    /// Adds a vertex.
+    pub fn add(&mut self, place: DVec3, pinned: bool) -> u32 {
+        self.mesh.vertices.push(place);
+        self.pinned.push(pinned);
+        self.mesh.vertices.len() as u32 - 1
+    }
+
+    fn place(&self, vertex: u32) -> DVec3 {
+        self.mesh.vertices[vertex as usize]
+    }
+
+    /// The distance between the ends of an edge.
+    pub fn length(&self, [start, end]: Ends) -> f64 {
+        self.place(start).distance(self.place(end))
+    }
+
+    /// Divides edges into so many equal parts, all triangles at them alike.
+    pub fn divide(&mut self, parts: &BTreeMap<Ends, u32>) {
+        let points: BTreeMap<Ends, Vec<u32>> =
+            parts.iter().map(|(&ends, &parts)| (ends, self.divide_edge(ends, parts))).collect();
+        let along = |from: u32, to: u32| -> Vec<u32> {
+            let mut points = points.get(&[from.min(to), from.max(to)]).cloned().unwrap_or_default();
+            if from > to {
+                points.reverse();
+            }
+            points
+        };
+        let triangles = std::mem::take(&mut self.mesh.triangles);
+        let sides = std::mem::take(&mut self.mesh.sides);
+        for (&[a, b, c], sides) in triangles.iter().zip(sides) {
+            let pieces = self.pieces([(a, along(a, b)), (b, along(b, c)), (c, along(c, a))]);
+            self.mesh.sides.extend(pieces.iter().map(|_| sides));
+            self.mesh.triangles.extend(pieces);
+        }
+    }
+
+    /// New vertices along an edge, in its direction.
+    fn divide_edge(&mut self, ends: Ends, parts: u32) -> Vec<u32> {
+        let [start, end] = ends.map(|end| self.place(end));
+        let is_fixed = self.fixed.remove(&ends);
+        let place = |part: u32| start.lerp(end, f64::from(part) / f64::from(parts));
+        let points: Vec<u32> = (1..parts).map(|part| self.add(place(part), is_fixed)).collect();
+        if is_fixed {
+            let chain: Vec<u32> = [&ends[..1], &points[..], &ends[1..]].concat();
+            self.fixed
+                .extend(chain.windows(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]));
+        }
+        points
+    }
+
+    /// The triangles that a triangle becomes with points along its sides, each
+    /// side given by its first corner and these. With points on one side they
+    /// all meet in the corner opposite to it, otherwise in the middle.
+    fn pieces(&mut self, sides: [(u32, Vec<u32>); 3]) -> Vec<[u32; 3]> {
+        let corners = [0, 1, 2].map(|side: usize| sides[side].0);
+        let divided: Vec<usize> = (0..3).filter(|&side| !sides[side].1.is_empty()).collect();
+        let apex = match divided[..] {
+            [] => return vec![corners],
+            [side] => corners[(side + 2) % 3],
+            _ => {
+                let middle = corners.iter().map(|&corner| self.place(corner)).sum::<DVec3>() / 3.0;
+                self.add(middle, false)
+            }
+        };
+        let around: Vec<u32> =
+            sides.iter().flat_map(|(corner, points)| [&[*corner], &points[..]].concat()).collect();
+        (0..around.len())
+            .map(|at| [around[at], around[(at + 1) % around.len()], apex])
+            .filter(|[start, end, _]| *start != apex && *end != apex)
+            .collect()
+    }
+
+    /// The mesh with the vertices that triangles have, in their order.
+    pub fn into_mesh(self) -> Mesh {
+        let Mesh { vertices, mut triangles, sides } = self.mesh;
+        let mut numbers = vec![u32::MAX; vertices.len()];
+        triangles.as_flattened().iter().for_each(|&vertex| numbers[vertex as usize] = 0);
+        let used = |vertex: &usize| numbers[*vertex] == 0;
+        let kept: Vec<usize> = (0..vertices.len()).filter(used).collect();
+        kept.iter().enumerate().for_each(|(number, &vertex)| numbers[vertex] = number as u32);
+        for vertex in triangles.as_flattened_mut() {
+            *vertex = numbers[*vertex as usize];
+        }
+        Mesh {
+            vertices: kept.into_iter().map(|vertex| vertices[vertex]).collect(),
+            triangles,
+            sides,
+        }
+    }
+}
+
+impl Edges {
+    /// Every edge by its triangles' sides, in the order of the vertices.
+    pub fn iter(&self) -> impl Iterator<Item = &[Side]> {
+        self.sides.chunk_by(|one, other| one.0 == other.0)
+    }
+}

@@ -1,0 +1,176 @@
+//! Remeshing patch by patch: a patch is what hangs together across edges of two
+//! triangles between the same two labels that need not stay. All other edges
+//! are borders of patches and stay as they are, so that remeshed patches fit.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::network::{Ends, Kind, Network};
+use crate::error::{Error, Result};
+use crate::ffi::fairing::{self, Patch};
+use crate::label::Label;
+use crate::mesh::sets::Sets;
+use crate::mesh::surface::join_ends;
+
+/// Rounds of splitting, collapsing, flipping and relaxing.
+const ROUNDS: u32 = 3;
+
+/// A patch with vertices of its own: where the network's surface touches itself
+/// in a vertex, a patch has one for each fan.
+struct Piece {
+    sides: [Label; 2],
+    /// For every vertex its number in the network.
+    vertices: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Network {
+    /// Makes the edges within patches about as long as `length`.
+    ///
+    /// # Errors
+    /// When CGAL fails.
+    pub fn remesh(&mut self, length: f64) -> Result<()> {
+        self.divide_borders(length);
+        let pieces = self.patches();
+        let remeshed: Vec<Option<Patch>> =
+            pieces.par_iter().map(|piece| self.remeshed(piece, length)).collect::<Result<_>>()?;
+        self.mesh.triangles.clear();
+        self.mesh.sides.clear();
+        for (piece, patch) in pieces.iter().zip(remeshed) {
+            match patch {
+                Some(patch) => self.put(piece, &patch),
+                None => self.put_back(piece),
+            }
+        }
+        self.divide_chords();
+        Ok(())
+    }
+
+    /// Divides edges that are borders of patches and longer than a remesher
+    /// leaves them.
+    fn divide_borders(&mut self, length: f64) {
+        let longest = 4.0 / 3.0 * length;
+        let mut parts = BTreeMap::new();
+        for sides in self.edges().iter().filter(|sides| self.kind(sides) != Kind::Surface) {
+            let edge = self.length(sides[0].0);
+            if edge > longest {
+                parts.insert(sides[0].0, (edge / longest).ceil() as u32);
+            }
+        }
+        self.divide(&parts);
+    }
+
+    /// Divides edges that are no borders but lead from border to border: two
+    /// patches could both have one between the same two vertices.
+    fn divide_chords(&mut self) {
+        let edges = self.edges();
+        let mut on_border = self.pinned.clone();
+        for sides in edges.iter().filter(|sides| self.kind(sides) != Kind::Surface) {
+            sides[0].0.iter().for_each(|&end| on_border[end as usize] = true);
+        }
+        let is_chord = |ends: &Ends| ends.iter().all(|&end| on_border[end as usize]);
+        let parts = edges
+            .iter()
+            .filter(|sides| is_chord(&sides[0].0) && self.kind(sides) == Kind::Surface)
+            .map(|sides| (sides[0].0, 2))
+            .collect();
+        self.divide(&parts);
+    }
+
+    /// All patches, in the order of their first triangles.
+    fn patches(&self) -> Vec<Piece> {
+        let count = self.mesh.triangles.len();
+        let (mut corners, mut patches) = (Sets::new(3 * count), Sets::new(count));
+        for sides in self.edges().iter() {
+            if let ([one, other], Kind::Surface) = (sides, self.kind(sides)) {
+                join_ends(&mut corners, one, other);
+                patches.join(one.1, other.1);
+            }
+        }
+        let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for triangle in 0..count as u32 {
+            members.entry(patches.root(triangle)).or_default().push(triangle);
+        }
+        members.into_values().map(|members| self.piece(&members, &mut corners)).collect()
+    }
+
+    fn piece(&self, members: &[u32], corners: &mut Sets) -> Piece {
+        let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
+        let sides = self.mesh.sides[members[0] as usize];
+        let mut piece = Piece { sides, vertices: Vec::new(), triangles: Vec::new() };
+        for &triangle in members {
+            let vertices = self.mesh.triangles[triangle as usize];
+            piece.triangles.push(std::array::from_fn(|corner| {
+                *numbers.entry(corners.root(3 * triangle + corner as u32)).or_insert_with(|| {
+                    piece.vertices.push(vertices[corner]);
+                    piece.vertices.len() as u32 - 1
+                })
+            }));
+        }
+        piece
+    }
+
+    /// A patch remeshed; nothing when it is to stay as it is, because it is one
+    /// triangle or none that CGAL can take, or its border came back otherwise.
+    fn remeshed(&self, piece: &Piece, length: f64) -> Result<Option<Patch>> {
+        if piece.triangles.len() < 2 {
+            return Ok(None);
+        }
+        let places = piece.vertices.iter().map(|&vertex| self.mesh.vertices[vertex as usize]);
+        let points: Vec<f64> = places.flat_map(|place| place.to_array()).collect();
+        let pinned: Vec<u8> =
+            piece.vertices.iter().map(|&vertex| self.pinned[vertex as usize].into()).collect();
+        let patch =
+            fairing::remesh(&points, piece.triangles.as_flattened(), &pinned, length, ROUNDS);
+        let patch = patch.map_err(|exception| Error::library("fairing", &exception))?;
+        let came_back = border(&patch.triangles, |vertex| patch.origins[vertex as usize]);
+        let stays = came_back == border(piece.triangles.as_flattened(), |vertex| vertex);
+        Ok(stays.then_some(patch))
+    }
+
+    fn put_back(&mut self, piece: &Piece) {
+        for triangle in &piece.triangles {
+            self.mesh.triangles.push(triangle.map(|vertex| piece.vertices[vertex as usize]));
+            self.mesh.sides.push(piece.sides);
+        }
+    }
+
+    /// What stays keeps its vertex of the network, all else is new.
+    fn put(&mut self, piece: &Piece, patch: &Patch) {
+        let mut kept: Vec<bool> =
+            piece.vertices.iter().map(|&vertex| self.pinned[vertex as usize]).collect();
+        for vertex in border(piece.triangles.as_flattened(), |vertex| vertex).into_flattened() {
+            kept[vertex as usize] = true;
+        }
+        let places = patch.points.chunks_exact(3).map(DVec3::from_slice);
+        let numbers: Vec<u32> = patch
+            .origins
+            .iter()
+            .zip(places)
+            .map(|(&origin, place)| match piece.vertices.get(origin as usize) {
+                Some(&vertex) if kept[origin as usize] => vertex,
+                _ => self.add(place, false),
+            })
+            .collect();
+        for triangle in patch.triangles.chunks_exact(3) {
+            self.mesh.triangles.push([0, 1, 2].map(|corner| numbers[triangle[corner] as usize]));
+            self.mesh.sides.push(piece.sides);
+        }
+    }
+}
+
+/// The edges that only one triangle has, from start to end as it passes them, by
+/// the names of their vertices.
+fn border(triangles: &[u32], name: impl Fn(u32) -> u32) -> Vec<[u32; 2]> {
+    let corners = triangles.chunks_exact(3);
+    let mut edges: Vec<[u32; 2]> =
+        corners.flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]).collect();
+    edges.sort_unstable();
+    let alone = |[start, end]: &[u32; 2]| edges.binary_search(&[*end, *start]).is_err();
+    let mut border: Vec<[u32; 2]> =
+        edges.iter().filter(|edge| alone(edge)).map(|edge| edge.map(&name)).collect();
+    border.sort_unstable();
+    border
+}

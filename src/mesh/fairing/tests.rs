@@ -1,0 +1,174 @@
+use std::collections::HashSet;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::*;
+use crate::label::Label;
+use crate::mesh::shapes::assert_edge_manifold;
+
+const A: Label = Label(1);
+const B: Label = Label(2);
+const O: Label = Label::OUTSIDE;
+
+/// Rings of `count` corners around the z axis, joined by bands: of each its
+/// height, its radius and what is below it, between it and the ring before. The
+/// first is closed below, the last above.
+fn lathe(count: u32, rings: &[(f64, f64, Label)]) -> Mesh {
+    let mut mesh = Mesh::default();
+    let corner = |ring: usize, at: u32| ring as u32 * count + at % count;
+    for &(z, radius, _) in rings {
+        let turn = |at: u32| (f64::from(at) + 0.5) * std::f64::consts::TAU / f64::from(count);
+        let place = |at| DVec3::new(radius * turn(at).cos(), radius * turn(at).sin(), z);
+        mesh.vertices.extend((0..count).map(place));
+    }
+    for ring in 1..rings.len() {
+        for at in 0..count {
+            let [a, b] = [corner(ring - 1, at), corner(ring - 1, at + 1)];
+            let [c, d] = [corner(ring, at), corner(ring, at + 1)];
+            mesh.triangles.extend([[a, b, d], [a, d, c]]);
+            mesh.sides.extend([[rings[ring].2, O]; 2]);
+        }
+    }
+    for at in 1..count - 1 {
+        let last = rings.len() - 1;
+        mesh.triangles.push([corner(0, 0), corner(0, at + 1), corner(0, at)]);
+        mesh.sides.push([rings[0].2, O]);
+        mesh.triangles.push([corner(last, 0), corner(last, at), corner(last, at + 1)]);
+        mesh.sides.push([rings[last].2, O]);
+    }
+    mesh
+}
+
+/// The edges of a ring.
+fn ring_edges(count: u32, ring: u32) -> Vec<[u32; 2]> {
+    (0..count).map(|at| [ring * count + at, ring * count + (at + 1) % count]).collect()
+}
+
+/// Panics unless the ends of edges are vertices of a mesh, bit by bit.
+fn assert_kept(before: &Mesh, fixed: &[[u32; 2]], after: &Mesh) {
+    let bits = |place: &DVec3| place.to_array().map(f64::to_bits);
+    let places: HashSet<[u64; 3]> = after.vertices.iter().map(bits).collect();
+    for &end in fixed.as_flattened() {
+        let place = &before.vertices[end as usize];
+        assert!(places.contains(&bits(place)), "{place} is gone");
+    }
+}
+
+/// What comes of a unit ball by sections at multiples of 0.2: terraces. Rings 1,
+/// 4, 7, … are the contours.
+fn terraced_ball() -> (Mesh, Vec<[u32; 2]>) {
+    let heights = (-4..=4).map(|at| 0.2 * f64::from(at));
+    let terrace = |z: f64| {
+        let radius = (1.0 - z * z).sqrt();
+        [-0.1, 0.0, 0.1].map(|step| (z + step, radius, A))
+    };
+    let mesh = lathe(48, &heights.flat_map(terrace).collect::<Vec<_>>());
+    let fixed = (0..9).flat_map(|at| ring_edges(48, 3 * at + 1)).collect();
+    (mesh, fixed)
+}
+
+/// Two boxes, the upper one smaller and of another material or not, the lower
+/// one's contour at height ½, the upper one's at 1½. The sides are 4 and 2.
+fn stacked(upper: Label) -> (Mesh, Vec<[u32; 2]>) {
+    let (large, small) = (8f64.sqrt(), 2f64.sqrt());
+    let rings = [
+        (0.0, large, B),
+        (0.5, large, B),
+        (1.0, large, B),
+        (1.0, small, B),
+        (1.5, small, upper),
+        (2.0, small, upper),
+    ];
+    let mut mesh = lathe(4, &rings);
+    if upper != B {
+        // Between them, seen from the lower one: the label 1 is at the back.
+        mesh.triangles.extend([[12, 14, 13], [12, 15, 14]]);
+        mesh.sides.extend([[upper, B]; 2]);
+    }
+    (mesh, [ring_edges(4, 1), ring_edges(4, 4)].concat())
+}
+
+#[test]
+fn terraces_of_a_ball_become_round() {
+    let (mesh, fixed) = terraced_ball();
+    let fair = fair(&mesh, &fixed, &FairingOptions { edge_length: 0.05, steps: 30 }).unwrap();
+    assert_edge_manifold(&fair, A);
+    assert_kept(&mesh, &fixed, &fair);
+    let facts = fair.surface(A).facts(true).unwrap();
+    assert!(facts.closed && facts.outward);
+    assert_eq!((facts.components, facts.genus, facts.self_intersections), (1, 0, Some(0)));
+    // A ring of 48 has 0.9971 of the circle's area.
+    assert!((facts.volume / (4.0 * PI / 3.0) - 1.0).abs() < 0.02, "{}", facts.volume);
+    let off = |place: &DVec3| (place.length() - 1.0).abs();
+    let [before, after] =
+        [&mesh, &fair].map(|mesh| mesh.vertices.iter().map(off).fold(0.0, f64::max));
+    println!("{before} {after} {} {}", facts.volume, fair.triangles.len());
+    assert!(after < 0.4 * before, "{before} {after}");
+}
+
+#[test]
+fn labels_stay_closed_where_three_meet() {
+    for upper in [A, B] {
+        let (mesh, fixed) = stacked(upper);
+        assert_edge_manifold(&mesh, upper);
+        assert_edge_manifold(&mesh, B);
+        let volume = |mesh: &Mesh, label| mesh.surface(label).volume();
+        let whole = |mesh: &Mesh| mesh.surface_of(|label| label.is_material()).volume();
+        assert!((whole(&mesh) - 20.0).abs() < 1e-12);
+        for steps in [0, 10] {
+            let options = FairingOptions { edge_length: 0.1, steps };
+            let fair = fair(&mesh, &fixed, &options).unwrap();
+            assert_edge_manifold(&fair, upper);
+            assert_edge_manifold(&fair, B);
+            assert_kept(&mesh, &fixed, &fair);
+            println!("{upper} {steps} {} {}", whole(&fair), volume(&fair, upper));
+            // Creases of 56 in length in all are cut no deeper than 0.4, the
+            // coarsest edge, with as much to either side.
+            assert!((whole(&fair) - 20.0).abs() < 56.0 * 0.4 * 0.4 / 2.0);
+        }
+    }
+}
+
+#[test]
+fn an_open_sheet_keeps_its_border() {
+    let mesh = Mesh {
+        vertices: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[x, y]| DVec3::new(x, y, 3.0))
+            .to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        sides: vec![[A, O]; 2],
+    };
+    let fair = fair(&mesh, &[[0, 2]], &FairingOptions { edge_length: 0.1, steps: 20 }).unwrap();
+    assert!(fair.vertices.iter().all(|vertex| vertex.z == 3.0));
+    assert!(fair.triangles.len() > 200);
+    let area = |triangle| {
+        let [a, b, c] = fair.corners(triangle);
+        (b - a).cross(c - a).z / 2.0
+    };
+    let areas: Vec<f64> = (0..fair.triangles.len()).map(area).collect();
+    assert!((areas.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!(areas.iter().all(|&area| area > 0.0));
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same() {
+    let (mesh, fixed) = stacked(A);
+    let options = FairingOptions { edge_length: 0.2, steps: 5 };
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| fair(&mesh, &fixed, &options).unwrap())
+    };
+    assert!(on(1) == on(3));
+}
+
+#[test]
+fn what_cannot_be_is_an_error() {
+    let (mesh, fixed) = stacked(A);
+    for edge_length in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
+        assert!(fair(&mesh, &fixed, &FairingOptions { edge_length, steps: 1 }).is_err());
+    }
+    let options = FairingOptions { edge_length: 1.0, steps: 1 };
+    assert!(matches!(fair(&mesh, &[[0, 24]], &options), Err(Error::Mesh(_))));
+    assert_eq!(fair(&Mesh::default(), &[], &options).unwrap(), Mesh::default());
+}
