@@ -1,0 +1,125 @@
+//! How far surfaces are from each other, and where the most.
+
+use glam::DVec3;
+use serde::Serialize;
+
+use crate::compare::draw;
+use crate::error::Result;
+use crate::mesh::nearest::Nearest;
+use crate::mesh::{Mesh, Surface};
+
+/// Points drawn on a surface for the mean.
+const DRAWN: u32 = 100_000;
+
+/// A surface that distances are taken from and to.
+pub struct Measured {
+    surface: Surface,
+    nearest: Nearest,
+    drawn: Vec<DVec3>,
+}
+
+/// From one surface to another and back, in voxels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Gap {
+    /// The larger of the two largest distances.
+    pub hausdorff: f64,
+    /// The mean of the two mean distances.
+    pub mean: f64,
+    /// From the first to the second.
+    pub there: OneWay,
+    /// From the second to the first.
+    pub back: OneWay,
+}
+
+/// From one surface to another, in voxels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OneWay {
+    /// The largest distance, of vertices and drawn points.
+    pub max: f64,
+    /// The mean over the surface.
+    pub mean: f64,
+    /// The point that is farthest off.
+    pub at: [f64; 3],
+}
+
+impl Measured {
+    /// All triangles of a network; `None` without any.
+    ///
+    /// # Errors
+    /// Where they have no area.
+    pub fn network(mesh: &Mesh) -> Result<Option<Self>> {
+        let Mesh { vertices, triangles, .. } = mesh.clone();
+        Self::new(Surface { vertices, triangles })
+    }
+
+    /// A surface; `None` without triangles.
+    ///
+    /// # Errors
+    /// Where it has no area.
+    pub fn new(surface: Surface) -> Result<Option<Self>> {
+        if surface.triangles.is_empty() {
+            return Ok(None);
+        }
+        let nearest = Nearest::on_surface(&surface)?;
+        let drawn = draw(&surface, DRAWN, 0);
+        Ok(Some(Self { surface, nearest, drawn }))
+    }
+
+    /// The distances of points to the surface, in world units.
+    ///
+    /// # Errors
+    /// When the search fails.
+    pub fn distances(&self, points: &[DVec3]) -> Result<Vec<f64>> {
+        self.nearest.distances(points)
+    }
+
+    fn one_way(&self, other: &Self, voxel: f64) -> Result<OneWay> {
+        let drawn = other.distances(&self.drawn)?;
+        let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
+        let vertices = other.distances(&self.surface.vertices)?;
+        let points = self.surface.vertices.iter().chain(&self.drawn);
+        let mut farthest = (0.0, DVec3::ZERO);
+        for (&point, distance) in points.zip(vertices.into_iter().chain(drawn)) {
+            if distance >= farthest.0 {
+                farthest = (distance, point);
+            }
+        }
+        Ok(OneWay { max: farthest.0 / voxel, mean: mean / voxel, at: farthest.1.to_array() })
+    }
+}
+
+/// How far two surfaces are from each other.
+///
+/// # Errors
+/// When the search fails.
+pub fn gap(one: &Measured, other: &Measured, voxel: f64) -> Result<Gap> {
+    let (there, back) = (one.one_way(other, voxel)?, other.one_way(one, voxel)?);
+    Ok(Gap {
+        hausdorff: there.max.max(back.max),
+        mean: 0.5 * (there.mean + back.mean),
+        there,
+        back,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::solid;
+
+    #[test]
+    fn a_ball_and_a_shifted_one() {
+        let ball = |shift: f64| {
+            let mesh = solid(41, 1.0, |point| 0.5 - (point - shift * DVec3::X).length());
+            Measured::network(&mesh).unwrap().unwrap()
+        };
+        let (one, other) = (ball(-0.1), ball(0.2));
+        let found = gap(&one, &other, 0.05).unwrap();
+        // The poles on either side are 0.3 = 6 voxels apart.
+        assert!((found.hausdorff - 6.0).abs() < 0.05, "{found:?}");
+        assert!(found.there.at[0] < -0.59 && found.back.at[0] > 0.69, "{found:?}");
+        assert!(found.mean > 1.0 && found.mean < 6.0);
+        assert!(gap(&one, &one, 0.05).unwrap().hausdorff < 1e-9);
+        assert!(Measured::network(&Mesh::default()).unwrap().is_none());
+    }
+}
