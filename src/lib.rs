@@ -38,6 +38,7 @@ pub mod mask;
 pub mod memory;
 pub mod mesh;
 pub mod model;
+pub mod oracle;
 pub mod output;
 pub mod picture;
 pub mod plane;
