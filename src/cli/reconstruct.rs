@@ -1,17 +1,15 @@
 //! `transect reconstruct`: sections in, volumes, surfaces, pictures and a
 //! report out.
 
-use std::io::Write;
 use std::path::Path;
 
 use super::args::ReconstructArguments;
 use super::bars::Watcher;
 use super::targets::{Kind, Target};
-use super::{print_warnings, table};
+use super::{print_warnings, table, write_json};
 use crate::change::Change;
 use crate::check::{self, check};
 use crate::error::{Error, Result};
-use crate::grid::lattice::Resolution;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
@@ -101,13 +99,8 @@ fn options(arguments: &ReconstructArguments) -> Result<Options> {
     if arguments.caps && border != Label::UNKNOWN {
         return Err(Error::Option("--caps needs --box unknown".to_owned()));
     }
-    let resolution = match (arguments.voxel_size, arguments.resolution) {
-        (Some(size), _) => Resolution::VoxelSize(size),
-        (None, Some(voxels)) => Resolution::Voxels(voxels),
-        (None, None) => Options::default().resolution,
-    };
     Ok(Options {
-        resolution,
+        resolution: arguments.grid.resolution(),
         smooth: arguments.smooth,
         device: arguments.device.into(),
         border,
@@ -178,11 +171,4 @@ fn write_picture(outputs: &mut Outputs, path: &Path, results: &Results) -> Resul
     outputs.write(path, |out| {
         picture::write_png(&image, out).map_err(|error| write_error(path, &error))
     })
-}
-
-fn write_json(path: &Path, report: &Report, out: &mut dyn Write) -> Result<()> {
-    serde_json::to_writer_pretty(&mut *out, report)
-        .map_err(std::io::Error::from)
-        .and_then(|()| out.write_all(b"\n"))
-        .map_err(|error| write_error(path, &error))
 }

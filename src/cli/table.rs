@@ -6,6 +6,11 @@ use crate::check::LabelCheck;
 use crate::compare::Comparison;
 use crate::report::Report;
 use crate::section::Disagreement;
+use crate::stage::Stage;
+
+mod crosscheck;
+
+pub use crosscheck::print_crosscheck;
 
 /// How many labels are shown.
 const LABELS: usize = 24;
@@ -19,16 +24,7 @@ pub fn print(report: &Report) {
 }
 
 fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
-    let [x, y, z] = report.nodes;
-    writeln!(
-        out,
-        "{} sections, grid {x} × {y} × {z}, voxel {:.6}{}{}, field on {}",
-        report.sections,
-        report.voxel,
-        if report.units.is_empty() { "" } else { " " },
-        report.units,
-        report.device
-    )?;
+    write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &report.device)?;
     writeln!(out)?;
     writeln!(
         out,
@@ -43,7 +39,22 @@ fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
         writeln!(out, "… and {rest} more labels")?;
     }
     write_agreement(out, report)?;
-    write_stages(out, report)
+    write_stages(out, &report.stages, report.seconds, report.peak_memory)
+}
+
+fn write_grid(
+    out: &mut String,
+    sections: usize,
+    [x, y, z]: [i32; 3],
+    voxel: f64,
+    units: &str,
+    device: &str,
+) -> std::fmt::Result {
+    writeln!(
+        out,
+        "{sections} sections, grid {x} × {y} × {z}, voxel {voxel:.6}{}{units}, field on {device}",
+        if units.is_empty() { "" } else { " " },
+    )
 }
 
 fn write_label(out: &mut String, report: &Report, label: &LabelCheck) -> std::fmt::Result {
@@ -106,9 +117,14 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_stages(out: &mut String, report: &Report) -> std::fmt::Result {
+fn write_stages(
+    out: &mut String,
+    stages: &[Stage],
+    seconds: f64,
+    peak_memory: u64,
+) -> std::fmt::Result {
     writeln!(out)?;
-    for stage in &report.stages {
+    for stage in stages {
         let counts: Vec<String> = stage
             .counts
             .iter()
@@ -123,7 +139,7 @@ fn write_stages(out: &mut String, report: &Report) -> std::fmt::Result {
             counts.join(", ")
         )?;
     }
-    let (seconds, memory) = (report.seconds, mebibytes(report.peak_memory));
+    let memory = mebibytes(peak_memory);
     writeln!(out, "{:<12}{seconds:>8.2} s {memory:>9}", "all")
 }
 

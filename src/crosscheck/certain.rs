@@ -176,8 +176,7 @@ impl Judges<'_> {
     /// field is that of a point farther off, for which the bound was not asked.
     fn must_agree(&self, point: DVec3) -> bool {
         let certainty = self.oracle.certainty(point);
-        certainty.must_agree()
-            && self.oracle.nearest(point).distance >= self.boundaries.clearance()
+        certainty.must_agree() && self.oracle.nearest(point).distance >= self.boundaries.clearance()
     }
 
     /// Those that must agree and do not, and not by rounding.

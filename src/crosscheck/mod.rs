@@ -25,11 +25,11 @@ mod work;
 
 pub use against::{Against, Other};
 pub use agreement::{Agreement, Bin, LabelAgreement, Pair};
-pub use parts::positions;
 pub use certain::{Points, Violation};
 pub use gap::{Gap, OneWay};
 pub use pairing::{Difference, Pairing, Reconstruction, Region};
 pub use parts::Part;
+pub use parts::positions;
 pub use report::{Crosscheck, Distances, Found, SkeletonReport};
 pub use solids::{LabelSolids, Solid};
 
@@ -94,6 +94,14 @@ pub struct Findings {
 }
 
 impl Findings {
+    /// The field's surface.
+    ///
+    /// # Errors
+    /// When nothing was derived.
+    pub fn field(&self) -> Result<&Mesh> {
+        Ok(&derived(&self.model)?.mesh)
+    }
+
     /// Whether all points agree that must.
     ///
     /// # Errors

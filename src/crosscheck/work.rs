@@ -75,15 +75,14 @@ impl Work<'_> {
         let oracle = Oracle::new(self.sections(), bounds, self.options.border)?;
         let exact = self.sample_oracle(derived, &oracle, &boundaries, stages)?;
         let (skeleton, how) = self.skeleton(&exact, stages)?;
-        let pair = Pair {
-            field: LabelGrid::new(&derived.samples),
-            skeleton: LabelGrid::new(&exact),
-        };
+        let pair =
+            Pair { field: LabelGrid::new(&derived.samples), skeleton: LabelGrid::new(&exact) };
         drop(exact);
         let delaunay = self.delaunay(derived, stages)?;
 
         let (agreement, differing) = self.agreement(&pair, stages)?;
-        let points = self.points(derived, &boundaries, &oracle, &positions(&pair, &differing), stages)?;
+        let points =
+            self.points(derived, &boundaries, &oracle, &positions(&pair, &differing), stages)?;
         let pairing = stages.run("pairing", |counts| {
             let names: Vec<&str> = self.sections().iter().map(Section::name).collect();
             let pairing = pairing(&derived.arrangement, &names, &pair, self.progress);
@@ -129,8 +128,7 @@ impl Work<'_> {
         stages: &mut Stages,
     ) -> Result<Samples> {
         stages.run("oracle", |counts| {
-            let starts =
-                Starts { sections: self.sections(), completion: boundaries.completion() };
+            let starts = Starts { sections: self.sections(), completion: boundaries.completion() };
             let (cells, lattice) = (&derived.arrangement, &derived.samples.lattice);
             let exact = Exact::new(oracle, cells);
             let found = sample(cells, &exact, &starts, lattice, Margin(1), self.progress)?;
@@ -242,10 +240,7 @@ fn gap_between(
 
 /// The distance of points to the nearest of the surfaces that there are; 0
 /// where there is none.
-fn least_distances(
-    surfaces: [&Option<Measured>; 2],
-    points: &[DVec3],
-) -> Result<Vec<f64>> {
+fn least_distances(surfaces: [&Option<Measured>; 2], points: &[DVec3]) -> Result<Vec<f64>> {
     let mut least = vec![f64::INFINITY; points.len()];
     for surface in surfaces.into_iter().flatten() {
         for (least, distance) in least.iter_mut().zip(surface.distances(points)?) {

@@ -15,6 +15,9 @@ const TILE: usize = usize::MAX;
 pub struct LabelGrid {
     /// Where the nodes are.
     pub lattice: Lattice,
+    /// Whether the box is open: then nodes beyond it have the labels of the
+    /// nearest nodes inside.
+    pub is_open: bool,
     /// For every leaf where its labels begin in `values`, or [`TILE`].
     starts: Vec<usize>,
     tiles: Vec<Label>,
@@ -29,7 +32,8 @@ impl LabelGrid {
             starts[samples.lattice.leaf_index(leaf.at)] = index * LEAF_NODES;
         }
         let values = samples.leaves.par_iter().flat_map_iter(|leaf| leaf.labels()).collect();
-        Self { lattice: samples.lattice, starts, tiles: samples.tiles.clone(), values }
+        let (lattice, is_open) = (samples.lattice, samples.open.is_some());
+        Self { lattice, is_open, starts, tiles: samples.tiles.clone(), values }
     }
 
     /// The label of all nodes of a leaf, where they have one.
@@ -48,13 +52,19 @@ impl LabelGrid {
 
     /// The label of a node of the lattice.
     pub fn at(&self, node: [i32; 3]) -> Label {
-        let side = LEAF_SIDE as i32;
-        let leaf = self.lattice.leaf_index(node.map(|index| index / side));
+        let (at, index) = node_in_leaf(node);
+        let leaf = self.lattice.leaf_index(at);
         match self.starts[leaf] {
             TILE => self.tiles[leaf],
-            start => self.values[start + node_index(node.map(|index| (index % side) as usize))],
+            start => self.values[start + index],
         }
     }
+}
+
+/// The leaf of a node of the lattice, and which of its nodes it is.
+pub fn node_in_leaf(node: [i32; 3]) -> ([i32; 3], usize) {
+    let side = LEAF_SIDE as i32;
+    (node.map(|index| index / side), node_index(node.map(|index| (index % side) as usize)))
 }
 
 /// The nodes of a leaf in the lattice, in their order.
@@ -76,8 +86,7 @@ mod tests {
     fn labels_are_those_of_the_samples() {
         let lattice = Lattice { origin: DVec3::ZERO, voxel: 1.0, dims: [20, 9, 11] };
         let inside = |[x, y, z]: [i32; 3]| x > 3 && x < 12 && y > 1 && y < 7 && z > 2 && z < 9;
-        let samples =
-            samples(lattice, |node| if inside(node) { vec![0.5] } else { vec![-0.5] });
+        let samples = samples(lattice, |node| if inside(node) { vec![0.5] } else { vec![-0.5] });
         let grid = LabelGrid::new(&samples);
         let mut materials = 0;
         for index in 0..samples.tiles.len() {
