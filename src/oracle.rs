@@ -13,9 +13,14 @@
 //! on the way to a point beyond the box there is a face, which is nearer. If
 //! they are not, then what sections know beyond the box is known all the same.
 
+mod border;
+mod candidate;
+mod certainty;
+mod distances;
 mod exact;
 mod float;
 mod foot;
+mod sampled;
 mod site;
 mod tree;
 
@@ -27,17 +32,24 @@ use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::Section;
 
-use exact::{Number, Query, number};
+use border::Border;
+use candidate::Candidate;
+use certainty::Walls;
+use exact::{Number, Query};
 use float::Range;
-use site::{Candidate, Site};
+use site::Site;
+
+pub use certainty::Certainty;
 
 /// Sections, made ready to be asked for the label of any point.
 pub struct Oracle<'a> {
     /// As many as there are sections.
     sites: Vec<Site<'a>>,
     bounds: Bounds,
-    /// What is known of the box's faces.
-    border: Option<Label>,
+    border: Option<Border>,
+    /// What is known anywhere, sorted.
+    labels: Vec<Label>,
+    walls: Walls,
 }
 
 /// The nearest known point.
@@ -66,31 +78,35 @@ impl<'a> Oracle<'a> {
     /// Where nothing is known at all.
     pub fn new(sections: &'a [Section], bounds: Bounds, border: Label) -> Result<Self> {
         let sites: Vec<Site> = sections.par_iter().map(Site::new).collect();
-        let border = (border != Label::UNKNOWN).then_some(border);
-        if border.is_none() && !sites.iter().any(Site::knows_anything) {
+        let border = (border != Label::UNKNOWN).then_some(Border { bounds, label: border });
+        let known = sites.iter().flat_map(|site| site.labels.iter().copied());
+        let mut labels: Vec<Label> = known.chain(border.map(|border| border.label)).collect();
+        labels.sort_unstable();
+        labels.dedup();
+        if labels.is_empty() {
             return Err(Error::Option(
                 "everything is unknown: no section says of any place what is there; add what is \
                  known"
                     .to_owned(),
             ));
         }
-        Ok(Self { sites, bounds, border })
+        let walls = Walls::new(&sites, bounds, border.is_some());
+        Ok(Self { sites, bounds, border, labels, walls })
     }
 
     /// The known point that is nearest to a finite point.
     pub fn nearest(&self, point: DVec3) -> Nearest {
+        if let Some(beyond) = self.border.and_then(|border| border.beyond(point)) {
+            return beyond;
+        }
         let query = Query::new(point);
         let mut found = self.candidates(&query);
-        let first = if found.len() > 1 { self.exactly_nearest(&found, &query) } else { 0 };
         if found.is_empty() {
             // Nothing is near to what is not a number.
-            return Nearest {
-                label: Label::UNKNOWN,
-                section: None,
-                distance: f64::NAN,
-                foot: point,
-            };
+            let (label, distance) = (Label::UNKNOWN, f64::NAN);
+            return Nearest { label, section: None, distance, foot: point };
         }
+        let first = if found.len() > 1 { self.exactly_nearest(&found, &query) } else { 0 };
         let (section, candidate) = found.swap_remove(first);
         let (label, foot) = match section {
             Some(section) => self.sites[section as usize].resolve(&candidate, &query),
@@ -107,12 +123,12 @@ impl<'a> Oracle<'a> {
     /// The nearest points of the sections that floats cannot tell to be farther
     /// than another, in the sections' order, then the box.
     fn candidates(&self, query: &Query) -> Vec<Found> {
-        let border = self.border_candidate(query.point);
+        let border = self.border.map(|border| border.candidate(query.point));
         let mut limit = border.as_ref().map_or(f64::INFINITY, |border| border.distance.high);
         let mut heights: Vec<(Range, u32)> = Vec::with_capacity(self.sites.len());
         for (number, site) in self.sites.iter().enumerate() {
             let height = site.plane.distance(query.point);
-            if site.knows_all() {
+            if site.is_full {
                 limit = limit.min(height.high);
             }
             heights.push((height, number as u32));
@@ -139,47 +155,10 @@ impl<'a> Oracle<'a> {
     fn exactly_nearest(&self, found: &[Found], query: &Query) -> usize {
         let square = |(section, candidate): &Found| match section {
             Some(section) => self.sites[*section as usize].squared_distance(candidate, query),
-            None => self.border_squared(query.point),
+            None => self.border.map_or(Number::ZERO, |border| border.squared_distance(query.point)),
         };
         let nearest = found.iter().map(square).enumerate().min_by(|one, other| one.1.cmp(&other.1));
         nearest.map_or(0, |(first, _)| first)
-    }
-
-    /// The nearest point of the box's faces; the point itself beyond them.
-    fn border_candidate(&self, point: DVec3) -> Option<Candidate> {
-        let label = self.border;
-        label?;
-        let candidate = |distance, place| {
-            let distance = Range::around(distance, f64::EPSILON * distance);
-            Some(Candidate { distance, place, label, edges: Vec::new() })
-        };
-        if !self.bounds.contains(point) {
-            return candidate(0.0, point);
-        }
-        let Bounds { min, max } = self.bounds;
-        let mut nearest = (f64::INFINITY, point);
-        for axis in 0..3 {
-            for face in [min[axis], max[axis]] {
-                let distance = (point[axis] - face).abs();
-                if distance < nearest.0 {
-                    let mut place = point;
-                    place[axis] = face;
-                    nearest = (distance, place);
-                }
-            }
-        }
-        candidate(nearest.0, nearest.1)
-    }
-
-    /// The exact squared distance to the box's faces.
-    fn border_squared(&self, point: DVec3) -> Number {
-        if !self.bounds.contains(point) {
-            return Number::ZERO;
-        }
-        let Bounds { min, max } = self.bounds;
-        let faces = (0..3).flat_map(|axis| [min[axis], max[axis]].map(|face| (axis, face)));
-        let square = |(axis, face): (usize, f64)| (number(point[axis]) - number(face)).sqr();
-        faces.map(square).min().unwrap_or(Number::ZERO)
     }
 }
 

@@ -179,7 +179,7 @@ pub fn polygon_area(polygon: &[DVec3]) -> f64 {
 }
 
 /// The part of a convex polygon where `inside` is not negative.
-fn clipped(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+pub(crate) fn clipped(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (index, &from) in polygon.iter().enumerate() {
         let to = polygon[(index + 1) % polygon.len()];

@@ -13,7 +13,7 @@ use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 pub(super) const NO_CELL: u32 = u32::MAX;
 
 /// The cells that divide a box.
-pub(super) trait Cells: Sync {
+pub trait Cells: Sync {
     /// The box.
     fn bounds(&self) -> Bounds;
     /// Whether materials may reach the box's faces.

@@ -17,3 +17,5 @@ pub mod samples;
 pub mod sampling;
 pub mod smoothing;
 mod winding;
+
+pub use locate::Cells;

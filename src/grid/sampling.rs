@@ -4,7 +4,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::arrangement::Arrangement;
 use crate::error::Result;
 use crate::field::{Completion, Field};
 use crate::label::Label;
@@ -61,14 +60,14 @@ pub struct Starts<'a> {
 /// # Errors
 /// When the field cannot be evaluated.
 pub fn sample(
-    arrangement: &Arrangement,
+    cells: &dyn Cells,
     field: &dyn Field,
     starts: &Starts,
     lattice: &Lattice,
     margin: Margin,
     progress: &dyn Progress,
 ) -> Result<Sampling> {
-    let sampler = Sampler { cells: arrangement, field, lattice: *lattice, margin, progress };
+    let sampler = Sampler { cells, field, lattice: *lattice, margin, progress };
     let mut leaves = contour_leaves(starts.sections, lattice);
     leaves.extend(starts.completion.changes().flat_map(|corners| leaves_around(corners, lattice)));
     sampler.run(leaves)
