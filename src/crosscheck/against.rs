@@ -43,7 +43,7 @@ pub struct Against {
 pub fn against(ours: &Mesh, other: &Other, voxel: f64, progress: &dyn Progress) -> Result<Against> {
     let surface = |mesh: &Mesh| Measured::new(mesh.surface_of(Label::is_material));
     let gap = match (surface(ours)?, surface(&other.mesh)?) {
-        (Some(one), Some(other)) => Some(gap(&one, &other, voxel)?),
+        (Some(one), Some(other)) => Some(gap(&one, &other, voxel)?.0),
         _ => None,
     };
     let (comparison, refused) =

@@ -73,13 +73,13 @@ impl Measured {
         self.nearest.distances(points)
     }
 
-    fn one_way(&self, other: &Self, voxel: f64) -> Result<OneWay> {
+    /// `vertices` are the distances of the own vertices to the other surface.
+    fn one_way(&self, other: &Self, vertices: &[f64], voxel: f64) -> Result<OneWay> {
         let drawn = other.distances(&self.drawn)?;
         let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
-        let vertices = other.distances(&self.surface.vertices)?;
         let points = self.surface.vertices.iter().chain(&self.drawn);
         let mut farthest = (0.0, DVec3::ZERO);
-        for (&point, distance) in points.zip(vertices.into_iter().chain(drawn)) {
+        for (&point, &distance) in points.zip(vertices.iter().chain(&drawn)) {
             if distance >= farthest.0 {
                 farthest = (distance, point);
             }
@@ -88,18 +88,17 @@ impl Measured {
     }
 }
 
-/// How far two surfaces are from each other.
+/// How far two surfaces are from each other, and each vertex of the first from
+/// the second, in world units.
 ///
 /// # Errors
 /// When the search fails.
-pub fn gap(one: &Measured, other: &Measured, voxel: f64) -> Result<Gap> {
-    let (there, back) = (one.one_way(other, voxel)?, other.one_way(one, voxel)?);
-    Ok(Gap {
-        hausdorff: there.max.max(back.max),
-        mean: 0.5 * (there.mean + back.mean),
-        there,
-        back,
-    })
+pub fn gap(one: &Measured, other: &Measured, voxel: f64) -> Result<(Gap, Vec<f64>)> {
+    let vertices = other.distances(&one.surface.vertices)?;
+    let there = one.one_way(other, &vertices, voxel)?;
+    let back = other.one_way(one, &one.distances(&other.surface.vertices)?, voxel)?;
+    let (hausdorff, mean) = (there.max.max(back.max), 0.5 * (there.mean + back.mean));
+    Ok((Gap { hausdorff, mean, there, back }, vertices))
 }
 
 #[cfg(test)]
@@ -114,12 +113,14 @@ mod tests {
             Measured::network(&mesh).unwrap().unwrap()
         };
         let (one, other) = (ball(-0.1), ball(0.2));
-        let found = gap(&one, &other, 0.05).unwrap();
+        let (found, vertices) = gap(&one, &other, 0.05).unwrap();
         // The poles on either side are 0.3 = 6 voxels apart.
         assert!((found.hausdorff - 6.0).abs() < 0.05, "{found:?}");
         assert!(found.there.at[0] < -0.59 && found.back.at[0] > 0.69, "{found:?}");
         assert!(found.mean > 1.0 && found.mean < 6.0);
-        assert!(gap(&one, &one, 0.05).unwrap().hausdorff < 1e-9);
+        let farthest = vertices.into_iter().fold(0.0, f64::max);
+        assert!((farthest - 0.3).abs() < 2.5e-3, "{farthest}");
+        assert!(gap(&one, &one, 0.05).unwrap().0.hausdorff < 1e-9);
         assert!(Measured::network(&Mesh::default()).unwrap().is_none());
     }
 }

@@ -21,6 +21,8 @@ mod report;
 mod rows;
 mod runs;
 mod solids;
+#[cfg(test)]
+mod tests;
 mod work;
 
 pub use against::{Against, Other};

@@ -23,6 +23,9 @@ use crate::grid::samples::Lattice;
 use crate::label::Label;
 use crate::progress::Progress;
 
+/// Regions of fewer nodes are too small for the lattice to say what they are
+/// joined to.
+const SMALLEST: u64 = 8;
 /// How many differences are listed.
 const LISTED: usize = 32;
 
@@ -211,7 +214,8 @@ impl Walls {
     ) -> Vec<Joined> {
         // By the one's part and then the other's, the largest region.
         let mut largest: BTreeMap<u32, BTreeMap<u32, usize>> = BTreeMap::new();
-        for region in (0..one.len()).filter(|&region| present[region]) {
+        let counts = |&region: &usize| present[region] && self.regions[region].1.nodes >= SMALLEST;
+        for region in (0..one.len()).filter(counts) {
             let best = largest.entry(one[region]).or_default().entry(other[region]);
             let best = best.or_insert(region);
             if self.regions[region].1.nodes > self.regions[*best].1.nodes {

@@ -6,7 +6,7 @@ use super::against::{Other, against};
 use super::agreement::{Agreement, Pair, agreement};
 use super::certain::{Judges, Points, points};
 use super::exact::Exact;
-use super::gap::{Measured, gap};
+use super::gap::{Gap, Measured, gap};
 use super::pairing::pairing;
 use super::parts::{parts, positions};
 use super::report::{Distances, Found, SkeletonReport};
@@ -74,7 +74,7 @@ impl Work<'_> {
         let bounds = derived.arrangement.bounds();
         let oracle = Oracle::new(self.sections(), bounds, self.options.border)?;
         let exact = self.sample_oracle(derived, &oracle, &boundaries, stages)?;
-        let (skeleton, how) = self.skeleton(&exact, stages)?;
+        let (skeleton, how) = self.skeleton(derived, &oracle, stages)?;
         let pair =
             Pair { field: LabelGrid::new(&derived.samples), skeleton: LabelGrid::new(&exact) };
         drop(exact);
@@ -139,9 +139,15 @@ impl Work<'_> {
     }
 
     /// The skeleton's surface.
-    fn skeleton(&self, exact: &Samples, stages: &mut Stages) -> Result<(Mesh, SkeletonReport)> {
+    fn skeleton(
+        &self,
+        derived: &Derived,
+        oracle: &Oracle,
+        stages: &mut Stages,
+    ) -> Result<(Mesh, SkeletonReport)> {
         stages.run("skeleton", |counts| {
-            let mesh = dual(exact, self.progress)?;
+            let samples = oracle.sample(&derived.samples.lattice, self.progress)?;
+            let mesh = dual(&samples, self.progress)?;
             let report = SkeletonReport {
                 exact: false,
                 vertices: mesh.vertices.len(),
@@ -208,19 +214,20 @@ impl Work<'_> {
         stages: &mut Stages,
     ) -> Result<Between> {
         stages.run("distances", |_| {
-            self.progress.begin("distances", 4);
+            self.progress.begin("distances", 3);
             let dual = Measured::network(surfaces.dual)?;
             let skeleton = Measured::network(surfaces.skeleton)?;
             let delaunay = surfaces.delaunay.map(Measured::network).transpose()?.flatten();
-            let dual_skeleton = gap_between(dual.as_ref(), skeleton.as_ref(), voxel)?;
+            let to_skeleton = gap_between(dual.as_ref(), skeleton.as_ref(), voxel)?;
             self.progress.advance(1);
-            let dual_delaunay = gap_between(dual.as_ref(), delaunay.as_ref(), voxel)?;
+            let to_delaunay = gap_between(dual.as_ref(), delaunay.as_ref(), voxel)?;
             self.progress.advance(1);
-            let nodes = positions(pair, differing);
-            let depths = least_distances([&dual, &skeleton], &nodes)?;
+            let depths = least_distances([&dual, &skeleton], &positions(pair, differing))?;
             self.progress.advance(1);
-            let vertices = least_distances([&skeleton, &None], &surfaces.dual.vertices)?;
-            self.progress.advance(1);
+            let (dual_skeleton, vertices) = to_skeleton.unzip();
+            let dual_delaunay = to_delaunay.map(|(gap, _)| gap);
+            // Without a skeleton there is nothing to be far from.
+            let vertices = vertices.unwrap_or_default();
             Ok(Between {
                 distances: Distances { dual_skeleton, dual_delaunay },
                 depths: depths.into_iter().map(|depth| depth as f32).collect(),
@@ -230,11 +237,12 @@ impl Work<'_> {
     }
 }
 
+/// The gap between two surfaces, if both are there.
 fn gap_between(
     one: Option<&Measured>,
     other: Option<&Measured>,
     voxel: f64,
-) -> Result<Option<super::Gap>> {
+) -> Result<Option<(Gap, Vec<f64>)>> {
     one.zip(other).map(|(one, other)| gap(one, other, voxel)).transpose()
 }
 

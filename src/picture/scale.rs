@@ -42,7 +42,7 @@ impl Scale {
         let covered = sorted.get((COVERED * sorted.len() as f64) as usize).copied();
         let top = round_up(covered.unwrap_or(largest));
         let font = Font::for_height(height);
-        let column = (font.width("0.00001+") + font.line() * 2).min(width / 3);
+        let column = (font.width("in voxels") + font.line() * 2).min(width / 3);
         let colors = (0..STEPS).map(|step| ramp(step as f32 / (STEPS - 1) as f32)).collect();
         let unit = unit.to_owned();
         Self { colors, top, is_cut: largest > top, unit, font, width: column }
@@ -84,8 +84,10 @@ impl Scale {
             let place = [left + line * 3 / 2, middle.saturating_sub(line / 2)];
             self.font.draw(image, &format!("{value}{more}"), place, INK);
         }
-        let title = [left, top.saturating_sub(line * 2)];
-        self.font.draw(image, &self.unit, title, INK);
+        let title = ["distance", &format!("in {}", self.unit)];
+        for (words, above) in title.into_iter().zip([7, 4]) {
+            self.font.draw(image, words, [left, top.saturating_sub(line * above / 2)], INK);
+        }
     }
 }
 
