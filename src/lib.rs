@@ -46,6 +46,7 @@ pub mod progress;
 mod random;
 pub mod report;
 pub mod section;
+pub mod skeleton;
 pub mod slice;
 pub mod stage;
 pub mod volume;

@@ -6,6 +6,7 @@ pub mod delaunay;
 pub mod grid;
 pub mod measure;
 pub mod partition;
+pub mod skeleton;
 pub mod threads;
 pub mod triangulation;
 pub mod vdb;

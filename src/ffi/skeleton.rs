@@ -1,0 +1,96 @@
+//! The exact reconstruction by straight skeletons, with CGAL's exact kernel
+//! (`cpp/skeleton.cc` and `cpp/skeleton/`).
+
+#[cxx::bridge(namespace = "transect::skeleton")]
+mod bridge {
+    /// Sections in the box. Labels are numbers; `u32::MAX` is unknown.
+    #[derive(Debug, Default)]
+    struct Input {
+        /// Normal and offset of every section's plane.
+        planes: Vec<f64>,
+        /// For every plane the two kept axes and the dropped one.
+        axes: Vec<u32>,
+        /// Two kept coordinates per vertex.
+        vertices: Vec<f64>,
+        /// Those of section i are `vertex_starts[i]..vertex_starts[i + 1]`.
+        vertex_starts: Vec<u32>,
+        /// Start, end (vertices of the section), label left and right.
+        edges: Vec<u32>,
+        /// As `vertex_starts`.
+        edge_starts: Vec<u32>,
+        /// The label far away, for every section.
+        backgrounds: Vec<u32>,
+        /// 1 for sections of which a part is unknown.
+        partial: Vec<u8>,
+        /// Lower and upper x, y, z of the box.
+        bounds: Vec<f64>,
+        /// How far apart two sections' changes of label on their common line
+        /// may be to be one, in world units.
+        tolerance: f64,
+        /// Relative accuracy of distances, to begin with.
+        bits: u32,
+    }
+
+    /// The surfaces in one cell.
+    #[derive(Debug, Default)]
+    struct CellOutput {
+        /// Points that follow the shared ones, rounded.
+        points: Vec<f64>,
+        /// The same as fractions, when asked for.
+        exact: Vec<String>,
+        /// Three a triangle, counter-clockwise as seen from the front.
+        corners: Vec<u32>,
+        /// Back and front label of every triangle.
+        labels: Vec<u32>,
+        /// 1 for walls, 0 for roofs.
+        walls: Vec<u8>,
+        /// Two planes a triangle; those of the box follow the sections'.
+        planes: Vec<u32>,
+    }
+
+    /// Where two sections never say the same on their common line.
+    #[derive(Debug, Default)]
+    struct ContradictionOutput {
+        /// The sections.
+        sections: [u32; 2],
+        /// The stretch of the line: two points, rounded.
+        ends: Vec<f64>,
+        /// What the first section says along it.
+        first: Vec<u32>,
+        /// What the second says.
+        second: Vec<u32>,
+    }
+
+    unsafe extern "C++" {
+        include!("transect/cpp/skeleton.h");
+
+        /// Sections cut by each other's planes, and the cells between them.
+        type Skeleton;
+
+        /// Cuts and reconciles the sections and makes the cells.
+        fn prepare(input: &Input) -> Result<UniquePtr<Skeleton>>;
+
+        /// The number of cells.
+        fn cells(self: &Skeleton) -> u32;
+        /// The accuracy of distances that was needed.
+        fn bits(self: &Skeleton) -> u32;
+        /// Ends of contours' pieces that were moved onto another section's.
+        fn snapped(self: &Skeleton) -> u32;
+        /// The points that cells share, rounded.
+        fn points(self: &Skeleton) -> Result<Vec<f64>>;
+        /// The same as fractions.
+        fn exact_points(self: &Skeleton) -> Result<Vec<String>>;
+        /// Where sections contradict each other.
+        fn contradictions(self: &Skeleton) -> Result<Vec<ContradictionOutput>>;
+        /// The surfaces in a cell. Several threads may ask at once.
+        fn surface(self: &Skeleton, cell: u32, exact: bool) -> Result<CellOutput>;
+    }
+}
+
+pub use bridge::*;
+
+// SAFETY: after `prepare` nothing in a Skeleton is written but what CGAL's lazy
+// numbers guard by themselves, and those that cells share are exact by then.
+unsafe impl Send for Skeleton {}
+// SAFETY: as above.
+unsafe impl Sync for Skeleton {}

@@ -1,0 +1,222 @@
+//! The exact reconstruction: projections onto straight skeletons in rational
+//! arithmetic (Barequet and Vaxman 2009).
+//!
+//! In a convex cell between full sections the label of a point is that of its
+//! foot on the nearest wall. So surfaces are *roofs*, where two walls are equally
+//! far and show different labels, and *walls* that stand on contours and reach to
+//! the roofs over them. Every decision is exact; only the coordinates of the
+//! result are rounded.
+//!
+//! What holds: the boundary of every label is closed, whatever the sections say.
+//! Where they contradict each other, or where contours touch in projection, an
+//! edge of it can have four triangles or a vertex two fans.
+
+mod input;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::ffi::skeleton::{self as ffi, CellOutput, ContradictionOutput};
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::plane::Bounds;
+use crate::progress::Progress;
+use crate::section::Section;
+
+/// How far apart two sections' changes of label on their common line may be to
+/// be taken for one, relative to the box's diagonal: what rounding in files
+/// makes of one place.
+const TOLERANCE: f64 = 1e-4;
+
+/// How the exact reconstruction is done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Whether exact coordinates are kept.
+    pub exact: bool,
+    /// Accuracy of distances to planes, relative, in bits: doubled until it
+    /// suffices.
+    pub bits: u32,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { exact: false, bits: 60 }
+    }
+}
+
+/// What a triangle is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Where two sections are equally far.
+    Roof,
+    /// Between a contour and a roof.
+    Wall,
+}
+
+/// Where a triangle comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Origin {
+    /// What it is.
+    pub kind: Kind,
+    /// The two sections that a roof lies between, or twice that of a wall;
+    /// `None` for the box.
+    pub sections: [Option<u32>; 2],
+    /// The cell it lies in.
+    pub cell: u32,
+}
+
+/// A stretch of the common line of two sections on which both know and never
+/// say the same.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Contradiction {
+    /// The sections' names.
+    pub sections: [String; 2],
+    /// Its ends, in world units.
+    pub ends: [[f64; 3]; 2],
+    /// Its length, in world units.
+    pub length: f64,
+    /// The labels of either section along it, from the first end on.
+    pub labels: [Vec<String>; 2],
+}
+
+/// An exact reconstruction.
+#[derive(Debug, Clone, Default)]
+pub struct Skeleton {
+    /// The surfaces, coordinates rounded.
+    pub mesh: Mesh,
+    /// For every triangle where it comes from.
+    pub origins: Vec<Origin>,
+    /// For every vertex its exact coordinates, each "numerator/denominator", when
+    /// asked for.
+    pub exact: Option<Vec<[String; 3]>>,
+    /// Where sections contradict each other, the longest first.
+    pub contradictions: Vec<Contradiction>,
+    /// How many places on common lines, told apart by rounding alone, were made
+    /// one.
+    pub snapped: u32,
+    /// The cells between the sections.
+    pub cells: u32,
+    /// The accuracy of distances that sufficed.
+    pub bits: u32,
+}
+
+/// Reconstructs exactly what is in a box; its faces are outside.
+///
+/// # Errors
+/// When two planes are too nearly parallel to be told apart in 4096 bits.
+pub fn skeleton(
+    sections: &[Section],
+    bounds: Bounds,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Skeleton> {
+    progress.begin("cells", 0);
+    let failed = |exception: cxx::Exception| Error::library("skeleton", &exception);
+    let tolerance = TOLERANCE * bounds.diagonal();
+    let input = input::input(sections, bounds, tolerance, options.bits);
+    let prepared = ffi::prepare(&input).map_err(failed)?;
+    progress.begin("skeleton", prepared.cells().into());
+    let outputs = (0..prepared.cells())
+        .into_par_iter()
+        .map(|cell| {
+            let output = prepared.surface(cell, options.exact).map_err(failed);
+            progress.advance(1);
+            output
+        })
+        .collect::<Result<Vec<CellOutput>>>()?;
+    let mut joined = Joined::new(prepared.points().map_err(failed)?, sections.len() as u32);
+    if options.exact {
+        joined.exact = Some(prepared.exact_points().map_err(failed)?);
+    }
+    for (cell, output) in outputs.into_iter().enumerate() {
+        joined.add(cell as u32, output);
+    }
+    let contradictions = prepared.contradictions().map_err(failed)?;
+    Ok(Skeleton {
+        contradictions: contradictions_of(sections, contradictions),
+        snapped: prepared.snapped(),
+        cells: prepared.cells(),
+        bits: prepared.bits(),
+        ..joined.into_skeleton()
+    })
+}
+
+/// The surfaces of all cells with the points they share.
+struct Joined {
+    points: Vec<f64>,
+    shared: u32,
+    exact: Option<Vec<String>>,
+    corners: Vec<u32>,
+    sides: Vec<[Label; 2]>,
+    origins: Vec<Origin>,
+    sections: u32,
+}
+
+impl Joined {
+    fn new(points: Vec<f64>, sections: u32) -> Self {
+        let shared = points.len() as u32 / 3;
+        let (corners, sides, origins) = Default::default();
+        Self { points, shared, exact: None, corners, sides, origins, sections }
+    }
+
+    fn add(&mut self, cell: u32, output: CellOutput) {
+        let offset = self.points.len() as u32 / 3 - self.shared;
+        let number = |corner: u32| if corner < self.shared { corner } else { corner + offset };
+        self.corners.extend(output.corners.iter().map(|&corner| number(corner)));
+        self.points.extend(output.points);
+        if let Some(exact) = &mut self.exact {
+            exact.extend(output.exact);
+        }
+        let labels = output.labels.chunks_exact(2);
+        self.sides.extend(labels.map(|pair| [Label(pair[0]), Label(pair[1])]));
+        let section = |plane: u32| (plane < self.sections).then_some(plane);
+        let planes = output.planes.chunks_exact(2);
+        self.origins.extend(output.walls.iter().zip(planes).map(|(&wall, planes)| Origin {
+            kind: if wall == 1 { Kind::Wall } else { Kind::Roof },
+            sections: [section(planes[0]), section(planes[1])],
+            cell,
+        }));
+    }
+
+    /// With the points that triangles use alone.
+    fn into_skeleton(self) -> Skeleton {
+        let mut number = vec![u32::MAX; self.points.len() / 3];
+        let mut mesh = Mesh { sides: self.sides, ..Mesh::default() };
+        let mut exact = self.exact.as_ref().map(|_| Vec::new());
+        for corners in self.corners.chunks_exact(3) {
+            mesh.triangles.push([corners[0], corners[1], corners[2]].map(|corner| {
+                let at = corner as usize;
+                if number[at] == u32::MAX {
+                    number[at] = mesh.vertices.len() as u32;
+                    mesh.vertices.push(DVec3::from_slice(&self.points[3 * at..]));
+                    if let (Some(kept), Some(all)) = (&mut exact, &self.exact) {
+                        kept.push([0, 1, 2].map(|axis| all[3 * at + axis].clone()));
+                    }
+                }
+                number[at]
+            }));
+        }
+        Skeleton { mesh, origins: self.origins, exact, ..Skeleton::default() }
+    }
+}
+
+fn contradictions_of(sections: &[Section], found: Vec<ContradictionOutput>) -> Vec<Contradiction> {
+    let labels = |labels: &[u32]| labels.iter().map(|&label| Label(label).to_string()).collect();
+    let mut result: Vec<Contradiction> = found
+        .into_iter()
+        .map(|one| {
+            let [from, to] = [0, 3].map(|at| DVec3::from_slice(&one.ends[at..]));
+            Contradiction {
+                sections: one.sections.map(|section| sections[section as usize].name().to_owned()),
+                ends: [from.to_array(), to.to_array()],
+                length: from.distance(to),
+                labels: [labels(&one.first), labels(&one.second)],
+            }
+        })
+        .collect();
+    result.sort_by(|a, b| b.length.total_cmp(&a.length).then_with(|| a.sections.cmp(&b.sections)));
+    result
+}
