@@ -15,6 +15,7 @@ use crate::ffi::measure::library_versions;
 use crate::label::Material;
 use crate::model::Model;
 use crate::section::{Disagreement, Warning};
+use crate::skeleton::Contradiction;
 use crate::stage::{Stage, Stages};
 
 /// The version of the JSON form.
@@ -96,6 +97,8 @@ pub struct SkeletonReport {
     pub vertices: usize,
     /// Its triangles.
     pub triangles: usize,
+    /// Where sections contradict each other, the longest first.
+    pub contradictions: Vec<Contradiction>,
 }
 
 /// How far surfaces are from each other, in voxels; none where one of them is

@@ -18,12 +18,14 @@ use crate::grid::evidence::Evidence;
 use crate::grid::labels::LabelGrid;
 use crate::grid::samples::Samples;
 use crate::grid::sampling::{Margin, Starts, sample};
+use crate::label::Label;
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::{Mesh, dual};
 use crate::model::{CLEARANCE, Derived, Model};
 use crate::oracle::Oracle;
 use crate::progress::Progress;
 use crate::section::Section;
+use crate::skeleton::{self, skeleton};
 use crate::stage::Stages;
 
 /// What there is to work on.
@@ -145,17 +147,49 @@ impl Work<'_> {
         oracle: &Oracle,
         stages: &mut Stages,
     ) -> Result<(Mesh, SkeletonReport)> {
+        let unknown = |section: &Section| section.labels().contains(&Label::UNKNOWN);
+        let is_partial =
+            self.options.border != Label::OUTSIDE || self.sections().iter().any(unknown);
         stages.run("skeleton", |counts| {
-            let samples = oracle.sample(&derived.samples.lattice, self.progress)?;
-            let mesh = dual(&samples, self.progress)?;
-            let report = SkeletonReport {
-                exact: false,
-                vertices: mesh.vertices.len(),
-                triangles: mesh.triangles.len(),
-            };
-            counts.insert("triangles".into(), report.triangles as u64);
-            Ok((mesh, report))
+            let made = if is_partial {
+                self.sampled_skeleton(derived, oracle)
+            } else {
+                self.exact_skeleton(derived)
+            }?;
+            counts.insert("triangles".into(), made.0.triangles.len() as u64);
+            Ok(made)
         })
+    }
+
+    /// Between full sections.
+    fn exact_skeleton(&self, derived: &Derived) -> Result<(Mesh, SkeletonReport)> {
+        let bounds = derived.arrangement.bounds();
+        let options = skeleton::Options::default();
+        let made = skeleton(self.sections(), bounds, &options, self.progress)?;
+        let report = SkeletonReport {
+            exact: true,
+            vertices: made.mesh.vertices.len(),
+            triangles: made.mesh.triangles.len(),
+            contradictions: made.contradictions,
+        };
+        Ok((made.mesh, report))
+    }
+
+    /// Where parts are unknown: what the oracle says on the grid.
+    fn sampled_skeleton(
+        &self,
+        derived: &Derived,
+        oracle: &Oracle,
+    ) -> Result<(Mesh, SkeletonReport)> {
+        let samples = oracle.sample(&derived.samples.lattice, self.progress)?;
+        let mesh = dual(&samples, self.progress)?;
+        let report = SkeletonReport {
+            exact: false,
+            vertices: mesh.vertices.len(),
+            triangles: mesh.triangles.len(),
+            contradictions: Vec::new(),
+        };
+        Ok((mesh, report))
     }
 
     /// The field's surface by the other mesher.
