@@ -71,6 +71,32 @@ fn the_example_agrees_where_it_must_and_all_is_written() {
 }
 
 #[test]
+fn volumes_hold_both_labels_and_where_they_differ() {
+    let folder = folder();
+    let more = ["--resolution", "32", "--meshers", "dual", "--json", "--quiet"];
+    let output = crosscheck(folder.path(), &phantom(), &["c.vdb"], &more);
+    assert_done(&output);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let file = VdbFile::read(&folder.path().join("c.vdb")).expect("volumes");
+    let value = |grid: &str, node| file.value(grid, node).expect("a value");
+    let nodes: Vec<i32> = serde_json::from_value(report["nodes"].clone()).expect("three numbers");
+    let voxel = report["voxel"].as_f64().expect("a number");
+    let mut differing = 0;
+    for x in 0..nodes[0] {
+        for y in 0..nodes[1] {
+            for z in 0..nodes[2] {
+                let labels = ["label_field", "label_skeleton"].map(|grid| value(grid, [x, y, z]));
+                let far = value("disagreement", [x, y, z]) / voxel;
+                assert_eq!(labels[0] != labels[1], far > 0.99, "{x} {y} {z}: {labels:?} {far}");
+                differing += u64::from(labels[0] != labels[1]);
+            }
+        }
+    }
+    assert_eq!(report["points"]["nodes"].as_u64(), Some(differing));
+    assert!(differing > 0);
+}
+
+#[test]
 fn the_same_bytes_come_out_for_any_number_of_threads() {
     let names = ["c.vdb", "c.png"];
     let (one, four) = (folder(), folder());

@@ -265,7 +265,7 @@ pub struct CrosscheckArguments {
     /// Section files: .csl, .contour, .json
     #[arg(required = true, value_name = "SECTIONS")]
     pub sections: Vec<PathBuf>,
-    /// An output file, its kind by its name; can be repeated. .vdb: both labels, and how deep nodes lie in what differs; .png: the field's surface coloured by its distance from the exact one
+    /// An output file, its kind by its name; can be repeated. .vdb: both labels, and how far from each node that differs they agree; .png: the field's surface coloured by its distance from the exact one
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Write the report as JSON
@@ -277,7 +277,7 @@ pub struct CrosscheckArguments {
     /// A mesh to hold our surface against: .ply, .obj, .stl, .off
     #[arg(long, value_name = "MESH")]
     pub against: Option<PathBuf>,
-    /// Which meshers are held against each other; delaunay is slow
+    /// Which meshers make the field's surface: dual always does, delaunay is held against it and is slow
     #[arg(
         long,
         value_enum,

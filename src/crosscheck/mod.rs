@@ -13,6 +13,7 @@
 mod against;
 mod agreement;
 mod certain;
+mod depth;
 mod exact;
 mod gap;
 mod pairing;
@@ -87,8 +88,8 @@ pub struct Findings {
     pub pair: Pair,
     /// The nodes at which they differ, leaf by leaf.
     pub differing: Vec<[i32; 3]>,
-    /// For each of them how far it is from the nearer of the two surfaces, in
-    /// world units.
+    /// For each of them how far the nearest node is where they agree, in world
+    /// units.
     pub depths: Vec<f32>,
     /// For each vertex of the field's surface how far it is from the skeleton's,
     /// in voxels.

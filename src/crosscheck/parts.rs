@@ -21,15 +21,15 @@ pub struct Part {
     pub skeleton: u32,
     /// Its nodes times a voxel, in cubic world units.
     pub volume: f64,
-    /// The node farthest from either surface.
+    /// The node farthest from where the two agree.
     pub at: [f64; 3],
-    /// How far that is, in voxels: half the part's thickness.
+    /// How far that is, in voxels: about half the part's thickness.
     pub depth: f64,
 }
 
 /// How many parts there are, and the deepest of them, at most 16. `differing`
-/// are the nodes that differ, `depths` their distances to the nearer of the two
-/// surfaces in world units.
+/// are the nodes that differ, `depths` their distances to the nearest that do
+/// not, in world units.
 pub fn parts(pair: &Pair, differing: &[[i32; 3]], depths: &[f32]) -> (usize, Vec<Part>) {
     let lattice = &pair.field.lattice;
     let mut order: Vec<usize> = (0..differing.len()).collect();

@@ -102,7 +102,8 @@ fn disagreement_is_found_at_the_distance_where_it_is() {
         96,
     );
     let agreement = &findings.report.found.agreement;
-    assert_eq!(agreement.bins[0].share, 1.0, "at the sections");
+    let near = agreement.bins[0].share;
+    assert!(near > 0.99 && near > agreement.share, "at the sections: {near}");
     let sum: u64 = agreement.bins.iter().map(|bin| bin.nodes).sum();
     assert_eq!(sum, agreement.nodes);
     let dims = findings.report.nodes.map(|nodes| nodes as u64 - 2);

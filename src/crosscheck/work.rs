@@ -2,21 +2,21 @@
 
 use glam::DVec3;
 
-use super::against::{Other, against};
+use super::against::{Against, Other, against};
 use super::agreement::{Agreement, Pair, agreement};
 use super::certain::{Judges, Points, points};
+use super::depth::depths;
 use super::exact::Exact;
 use super::gap::{Gap, Measured, gap};
-use super::pairing::pairing;
+use super::pairing::{Pairing, pairing};
 use super::parts::{parts, positions};
 use super::report::{Distances, Found, SkeletonReport};
-use super::solids::solids;
+use super::solids::{LabelSolids, solids};
 use super::{Options, derived};
 use crate::error::Result;
 use crate::field::{self, Boundaries};
 use crate::grid::evidence::Evidence;
 use crate::grid::labels::LabelGrid;
-use crate::grid::samples::Samples;
 use crate::grid::sampling::{Margin, Starts, sample};
 use crate::label::Label;
 use crate::mesh::delaunay::delaunay;
@@ -56,11 +56,12 @@ struct Surfaces<'a> {
     skeleton: &'a Mesh,
 }
 
-/// Distances between them.
-struct Between {
-    distances: Distances,
-    depths: Vec<f32>,
-    vertices: Vec<f32>,
+/// What both methods start from.
+#[derive(Clone, Copy)]
+struct Base<'a> {
+    derived: &'a Derived,
+    boundaries: &'a Boundaries<'a>,
+    oracle: &'a Oracle<'a>,
 }
 
 impl Work<'_> {
@@ -70,38 +71,27 @@ impl Work<'_> {
     /// Those of the stages.
     pub fn compare(&self, other: Option<&Other>, stages: &mut Stages) -> Result<Compared> {
         let derived = derived(self.model)?;
-        let voxel = derived.samples.lattice.voxel;
-        let boundaries =
-            Boundaries::new(&derived.arrangement, CLEARANCE * voxel, self.options.spacing)?;
+        let clearance = CLEARANCE * derived.samples.lattice.voxel;
+        let boundaries = Boundaries::new(&derived.arrangement, clearance, self.options.spacing)?;
         let bounds = derived.arrangement.bounds();
         let oracle = Oracle::new(self.sections(), bounds, self.options.border)?;
-        let exact = self.sample_oracle(derived, &oracle, &boundaries, stages)?;
-        let (skeleton, how) = self.skeleton(derived, &oracle, stages)?;
-        let pair =
-            Pair { field: LabelGrid::new(&derived.samples), skeleton: LabelGrid::new(&exact) };
-        drop(exact);
-        let delaunay = self.delaunay(derived, stages)?;
+        let base = Base { derived, boundaries: &boundaries, oracle: &oracle };
 
-        let (agreement, differing) = self.agreement(&pair, stages)?;
-        let points =
-            self.points(derived, &boundaries, &oracle, &positions(&pair, &differing), stages)?;
-        let pairing = stages.run("pairing", |counts| {
-            let names: Vec<&str> = self.sections().iter().map(Section::name).collect();
-            let pairing = pairing(&derived.arrangement, &names, &pair, self.progress);
-            counts.insert("cells".into(), pairing.cells as u64);
-            Ok(pairing)
-        })?;
+        let pair = self.labels(base, stages)?;
+        let (skeleton, how) = self.skeleton(base, stages)?;
+        let delaunay = self.delaunay(derived, stages)?;
         let surfaces =
             Surfaces { dual: &derived.mesh, delaunay: delaunay.as_ref(), skeleton: &skeleton };
-        let labels = stages.run("solids", |_| {
-            self.progress.begin("solids", 0);
-            solids(surfaces.dual, surfaces.delaunay, surfaces.skeleton)
-        })?;
-        let between = self.between(&surfaces, &pair, &differing, voxel, stages)?;
-        let (part_count, parts) = parts(&pair, &differing, &between.depths);
-        let against = other.map(|other| {
-            stages.run("against", |_| against(&derived.mesh, other, voxel, self.progress))
-        });
+
+        let (agreement, differing) = self.agreement(&pair, stages)?;
+        let nodes = positions(&pair, &differing);
+        let points = self.points(base, &nodes, stages)?;
+        let pairing = self.pairing(derived, &pair, stages)?;
+        let labels = self.solids(&surfaces, stages)?;
+        let (distances, vertices) = self.distances(derived, &surfaces, stages)?;
+        let depths = depths(&derived.samples.lattice, &differing);
+        let (part_count, parts) = parts(&pair, &differing, &depths);
+        let against = self.against(derived, other, stages)?;
         let found = Found {
             skeleton: how,
             agreement,
@@ -110,51 +100,40 @@ impl Work<'_> {
             parts,
             pairing,
             labels,
-            distances: between.distances,
-            against: against.transpose()?,
+            distances,
+            against,
         };
-        let Between { depths, vertices: distances, .. } = between;
-        Ok(Compared { found, skeleton, pair, differing, depths, distances })
+        Ok(Compared { found, skeleton, pair, differing, depths, distances: vertices })
     }
 
     fn sections(&self) -> &[Section] {
         &self.model.sections().sections
     }
 
-    /// The oracle's labels on the field's lattice.
-    fn sample_oracle(
-        &self,
-        derived: &Derived,
-        oracle: &Oracle,
-        boundaries: &Boundaries,
-        stages: &mut Stages,
-    ) -> Result<Samples> {
+    /// Both labels on the field's lattice.
+    fn labels(&self, base: Base, stages: &mut Stages) -> Result<Pair> {
         stages.run("oracle", |counts| {
+            let Base { derived, boundaries, oracle } = base;
             let starts = Starts { sections: self.sections(), completion: boundaries.completion() };
             let (cells, lattice) = (&derived.arrangement, &derived.samples.lattice);
             let exact = Exact::new(oracle, cells);
             let found = sample(cells, &exact, &starts, lattice, Margin(1), self.progress)?;
             counts.insert("leaves".into(), found.samples.leaves.len() as u64);
             counts.insert("evaluations".into(), found.points);
-            Ok(found.samples)
+            let field = LabelGrid::new(&derived.samples);
+            Ok(Pair { field, skeleton: LabelGrid::new(&found.samples) })
         })
     }
 
     /// The skeleton's surface.
-    fn skeleton(
-        &self,
-        derived: &Derived,
-        oracle: &Oracle,
-        stages: &mut Stages,
-    ) -> Result<(Mesh, SkeletonReport)> {
+    fn skeleton(&self, base: Base, stages: &mut Stages) -> Result<(Mesh, SkeletonReport)> {
         let unknown = |section: &Section| section.labels().contains(&Label::UNKNOWN);
         let is_partial =
             self.options.border != Label::OUTSIDE || self.sections().iter().any(unknown);
         stages.run("skeleton", |counts| {
-            let made = if is_partial {
-                self.sampled_skeleton(derived, oracle)
-            } else {
-                self.exact_skeleton(derived)
+            let made = match is_partial {
+                true => self.sampled_skeleton(base),
+                false => self.exact_skeleton(base.derived),
             }?;
             counts.insert("triangles".into(), made.0.triangles.len() as u64);
             Ok(made)
@@ -176,12 +155,8 @@ impl Work<'_> {
     }
 
     /// Where parts are unknown: what the oracle says on the grid.
-    fn sampled_skeleton(
-        &self,
-        derived: &Derived,
-        oracle: &Oracle,
-    ) -> Result<(Mesh, SkeletonReport)> {
-        let samples = oracle.sample(&derived.samples.lattice, self.progress)?;
+    fn sampled_skeleton(&self, base: Base) -> Result<(Mesh, SkeletonReport)> {
+        let samples = base.oracle.sample(&base.derived.samples.lattice, self.progress)?;
         let mesh = dual(&samples, self.progress)?;
         let report = SkeletonReport {
             exact: false,
@@ -214,21 +189,14 @@ impl Work<'_> {
     }
 
     /// Random points, and nodes that differ.
-    fn points(
-        &self,
-        derived: &Derived,
-        boundaries: &Boundaries,
-        oracle: &Oracle,
-        nodes: &[DVec3],
-        stages: &mut Stages,
-    ) -> Result<Points> {
+    fn points(&self, base: Base, nodes: &[DVec3], stages: &mut Stages) -> Result<Points> {
         stages.run("points", |counts| {
-            let field = field::new(boundaries, self.options.device)?;
+            let field = field::new(base.boundaries, self.options.device)?;
             let judges = Judges {
-                arrangement: &derived.arrangement,
-                boundaries,
+                arrangement: &base.derived.arrangement,
+                boundaries: base.boundaries,
                 field: field.as_ref(),
-                oracle,
+                oracle: base.oracle,
                 sections: self.sections(),
             };
             let drawn = (self.options.points, self.options.seed);
@@ -238,17 +206,47 @@ impl Work<'_> {
         })
     }
 
-    /// How far surfaces are from each other, and nodes from surfaces.
-    fn between(
+    /// What is joined within cells.
+    fn pairing(&self, derived: &Derived, pair: &Pair, stages: &mut Stages) -> Result<Pairing> {
+        stages.run("pairing", |counts| {
+            let names: Vec<&str> = self.sections().iter().map(Section::name).collect();
+            let pairing = pairing(&derived.arrangement, &names, pair, self.progress);
+            counts.insert("cells".into(), pairing.cells as u64);
+            Ok(pairing)
+        })
+    }
+
+    /// Every label's surface.
+    fn solids(&self, surfaces: &Surfaces, stages: &mut Stages) -> Result<Vec<LabelSolids>> {
+        stages.run("solids", |_| {
+            self.progress.begin("solids", 0);
+            solids(surfaces.dual, surfaces.delaunay, surfaces.skeleton)
+        })
+    }
+
+    /// The field's surface and the user's.
+    fn against(
         &self,
-        surfaces: &Surfaces,
-        pair: &Pair,
-        differing: &[[i32; 3]],
-        voxel: f64,
+        derived: &Derived,
+        other: Option<&Other>,
         stages: &mut Stages,
-    ) -> Result<Between> {
+    ) -> Result<Option<Against>> {
+        let Some(other) = other else { return Ok(None) };
+        let voxel = derived.samples.lattice.voxel;
+        stages.run("against", |_| against(&derived.mesh, other, voxel, self.progress).map(Some))
+    }
+
+    /// How far surfaces are from each other, and each vertex of the field's
+    /// from the skeleton's, in voxels.
+    fn distances(
+        &self,
+        derived: &Derived,
+        surfaces: &Surfaces,
+        stages: &mut Stages,
+    ) -> Result<(Distances, Vec<f32>)> {
+        let voxel = derived.samples.lattice.voxel;
         stages.run("distances", |_| {
-            self.progress.begin("distances", 3);
+            self.progress.begin("distances", 2);
             let dual = Measured::network(surfaces.dual)?;
             let skeleton = Measured::network(surfaces.skeleton)?;
             let delaunay = surfaces.delaunay.map(Measured::network).transpose()?.flatten();
@@ -256,17 +254,12 @@ impl Work<'_> {
             self.progress.advance(1);
             let to_delaunay = gap_between(dual.as_ref(), delaunay.as_ref(), voxel)?;
             self.progress.advance(1);
-            let depths = least_distances([&dual, &skeleton], &positions(pair, differing))?;
-            self.progress.advance(1);
             let (dual_skeleton, vertices) = to_skeleton.unzip();
             let dual_delaunay = to_delaunay.map(|(gap, _)| gap);
             // Without a skeleton there is nothing to be far from.
-            let vertices = vertices.unwrap_or_default();
-            Ok(Between {
-                distances: Distances { dual_skeleton, dual_delaunay },
-                depths: depths.into_iter().map(|depth| depth as f32).collect(),
-                vertices: vertices.into_iter().map(|far| (far / voxel) as f32).collect(),
-            })
+            let vertices = vertices.unwrap_or_default().into_iter();
+            let vertices = vertices.map(|far| (far / voxel) as f32).collect();
+            Ok((Distances { dual_skeleton, dual_delaunay }, vertices))
         })
     }
 }
@@ -278,16 +271,4 @@ fn gap_between(
     voxel: f64,
 ) -> Result<Option<(Gap, Vec<f64>)>> {
     one.zip(other).map(|(one, other)| gap(one, other, voxel)).transpose()
-}
-
-/// The distance of points to the nearest of the surfaces that there are; 0
-/// where there is none.
-fn least_distances(surfaces: [&Option<Measured>; 2], points: &[DVec3]) -> Result<Vec<f64>> {
-    let mut least = vec![f64::INFINITY; points.len()];
-    for surface in surfaces.into_iter().flatten() {
-        for (least, distance) in least.iter_mut().zip(surface.distances(points)?) {
-            *least = least.min(distance);
-        }
-    }
-    Ok(least.into_iter().map(|least| if least.is_finite() { least } else { 0.0 }).collect())
 }

@@ -30,6 +30,14 @@ fn write_crosscheck(out: &mut String, report: &Crosscheck) -> std::fmt::Result {
     write_points(out, &found.points)?;
     write_parts(out, found.part_count, &found.parts)?;
     write_pairing(out, &found.pairing)?;
+    if let [longest, ..] = &found.skeleton.contradictions[..] {
+        writeln!(
+            out,
+            "contradictions   {} between sections along their common lines, the longest over {}",
+            found.skeleton.contradictions.len(),
+            number(longest.length)
+        )?;
+    }
     if !found.skeleton.exact {
         writeln!(out, "the skeleton's surface is sampled on the grid: within a voxel")?;
     }
