@@ -1,23 +1,29 @@
 //! `./x bench`: seconds per stage, field evaluations, edge evaluations per
 //! second for each backend beside the scalar f64 reference, and peak memory,
-//! for the bundled example and the real files there are; and what it costs when
-//! a fifth of every section is unknown.
+//! for the bundled example and the real files there are; what it costs when a
+//! fifth of every section is unknown; and points per second of the oracle beside
+//! plain floats that look at every edge.
 //!
 //! `cargo bench -- NAME...` takes only the files whose names contain a NAME.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use glam::DVec3;
+use rayon::prelude::*;
 use transect::arrangement::Arrangement;
 use transect::change::Change;
 use transect::check::{self, check};
 use transect::error::{Error, Result};
 use transect::field::{Adapter, Boundaries, Cpu, Field, Gpu, Queries, Reference, Run};
 use transect::io;
+use transect::label::Label;
 use transect::mask::{Blobs, Mask, mask};
 use transect::model::{Model, Options};
+use transect::oracle::Oracle;
+use transect::plane::Bounds;
 use transect::progress::Silent;
-use transect::section::{Rules, Sections};
+use transect::section::{Rules, Section, Sections};
 use transect::stage::Stages;
 
 /// The stages that are shown, in their order.
@@ -25,6 +31,8 @@ const STAGES: [&str; 7] =
     ["read", "arrangement", "completion", "field", "smoothing", "mesh", "check"];
 /// The blobs that are made unknown.
 const BLOBS: Blobs = Blobs { fraction: 0.2, size: 0.2, seed: 1 };
+/// Points that the oracle is timed on, and plain floats.
+const ORACLE_POINTS: [u32; 2] = [1_000_000, 100_000];
 /// Points that the backends are timed on: as many as the reference can do in
 /// about a second, and more for the others.
 const POINTS: [(&str, usize); 3] = [("reference", 20_000), ("cpu", 1_000_000), ("gpu", 200_000)];
@@ -39,17 +47,21 @@ fn main() -> Result<()> {
     print!("\n{:<22}", "seconds");
     STAGES.iter().for_each(|stage| print!("{stage:>12}"));
     println!("{:>9}{:>11}{:>14}{:>14}", "all", "peak MiB", "evaluations", "triangles");
-    let mut backends = Vec::new();
+    let mut models = Vec::new();
     for file in files {
-        let (arrangement, known) = reconstruct(&file, Ok)?;
+        let (model, known) = reconstruct(&file, Ok)?;
         let masked = Mask { blobs: Some(BLOBS), frame: None };
-        let (_, unknown) = reconstruct(&file, |sections| mask(sections, &masked))?;
+        let (partial, unknown) = reconstruct(&file, |sections| mask(sections, &masked))?;
         println!("{:<22}× {:.2} with a fifth unknown, the row above", "", unknown / known);
-        backends.push((name(&file), arrangement));
+        models.push((name(&file), model, partial));
     }
     println!("\n{:<22}{:>14}  G edge evaluations a second (× the reference)", "", "edges/point");
-    for (name, arrangement) in &backends {
-        rates(name, arrangement)?;
+    for (name, model, _) in &models {
+        rates(name, arrangement(model)?)?;
+    }
+    println!("\n{:<22}M points a second of the oracle (× plain floats)", "");
+    for (name, model, partial) in &models {
+        oracle_rates(name, model, partial)?;
     }
     Ok(())
 }
@@ -76,12 +88,17 @@ fn name(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// One row of the table of stages; returns the arrangement and the seconds of
-/// all stages.
+fn arrangement(model: &Model) -> Result<&Arrangement> {
+    let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
+    Ok(&derived.arrangement)
+}
+
+/// One row of the table of stages; returns the model and the seconds of all
+/// stages.
 fn reconstruct(
     file: &Path,
     change: impl FnOnce(Sections) -> Result<Sections>,
-) -> Result<(Arrangement, f64)> {
+) -> Result<(Model, f64)> {
     let mut stages = Stages::default();
     let rules = Rules::default();
     let sections = stages.run("read", |_| io::read_sections(file, &rules))?;
@@ -103,7 +120,59 @@ fn reconstruct(
         stages.count_of("evaluations"),
         derived.mesh.triangles.len()
     );
-    Ok((derived.arrangement.clone(), stages.seconds()))
+    Ok((model, stages.seconds()))
+}
+
+/// One row of the table of the oracle: all sections full, and a fifth unknown.
+fn oracle_rates(name: &str, model: &Model, partial: &Model) -> Result<()> {
+    print!("{name:<22}");
+    let bounds = arrangement(model)?.bounds();
+    let sections = &model.sections().sections;
+    let plain = rate_of(bounds, ORACLE_POINTS[1], |point| plain_label(sections, bounds, point));
+    for (model, what) in [(model, "full"), (partial, "a fifth unknown")] {
+        let oracle = Oracle::new(&model.sections().sections, bounds, Label::OUTSIDE)?;
+        let rate = rate_of(bounds, ORACLE_POINTS[0], |point| oracle.nearest(point).label);
+        print!("  {what} {:.2} (× {:.1})", rate / 1e6, rate / plain);
+    }
+    println!();
+    Ok(())
+}
+
+/// Points of a box a second, on all threads.
+fn rate_of(bounds: Bounds, count: u32, label: impl Fn(DVec3) -> Label + Sync) -> f64 {
+    // Roberts' evenly spread sequence.
+    let steps =
+        DVec3::new(0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2);
+    let point = |at: u32| bounds.min + bounds.size() * (f64::from(at) * steps).fract();
+    let start = Instant::now();
+    let sum: u64 = (0..count).into_par_iter().map(|at| u64::from(label(point(at)).0)).sum();
+    std::hint::black_box(sum);
+    f64::from(count) / start.elapsed().as_secs_f64()
+}
+
+/// What the oracle says of full sections, in plain floats without any index.
+fn plain_label(sections: &[Section], bounds: Bounds, point: DVec3) -> Label {
+    let to_box = (point - bounds.min).min(bounds.max - point).min_element();
+    let distance = |section: &&Section| section.plane().distance(point).abs();
+    let nearest = sections.iter().min_by(|one, other| distance(one).total_cmp(&distance(other)));
+    let Some(section) = nearest.filter(|section| distance(section) < to_box) else {
+        return Label::OUTSIDE;
+    };
+    let plane = section.plane();
+    let foot = plane.project(point - plane.distance(point) * plane.unit_normal());
+    let mut label = section.background().0;
+    for edge in section.edges() {
+        let [start, end] = [edge.start, edge.end].map(|at| section.vertices()[at as usize] - foot);
+        if (start.y <= 0.0) != (end.y <= 0.0) {
+            let upward = end.y > 0.0;
+            if (start.perp_dot(end) > 0.0) == upward {
+                let [here, beyond] =
+                    if upward { [edge.left, edge.right] } else { [edge.right, edge.left] };
+                label = label.wrapping_add(here.0.wrapping_sub(beyond.0));
+            }
+        }
+    }
+    Label(label)
 }
 
 /// One row of the table of backends.
@@ -157,8 +226,8 @@ fn queries(arrangement: &Arrangement, field: &dyn Field, count: usize) -> Querie
         let start = queries.points.len();
         let faces = &arrangement.cells()[cell as usize].faces;
         let corners = || faces.iter().flat_map(|&face| arrangement.outline(face));
-        let middle = corners().fold(glam::DVec3::ZERO, |sum, &corner| sum + corner)
-            / corners().count() as f64;
+        let middle =
+            corners().fold(DVec3::ZERO, |sum, &corner| sum + corner) / corners().count() as f64;
         for place in 0..each {
             let outline = arrangement.outline(faces[place % faces.len()]);
             let goal = outline[place % outline.len()];

@@ -1,6 +1,7 @@
 //! The closed surface of one label, or of several labels together, out of a
 //! network.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Mesh, Surface};
@@ -20,7 +21,7 @@ impl Mesh {
     /// The boundary of the union of all labels that `inside` says yes to.
     pub fn surface_of(&self, inside: impl Fn(Label) -> bool + Sync) -> Surface {
         let triangles = self.triangles_around(inside);
-        let corners = Corners::joined(&triangles);
+        let corners = Corners::joined(self, &triangles);
         corners.into_surface(self, &triangles)
     }
 
@@ -57,15 +58,11 @@ struct Corners {
 }
 
 impl Corners {
-    fn joined(triangles: &[[u32; 3]]) -> Self {
+    fn joined(mesh: &Mesh, triangles: &[[u32; 3]]) -> Self {
         let mut corners = Self { parent: (0..3 * triangles.len() as u32).collect() };
         let sides = sorted_sides(triangles);
-        for pair in sides.chunk_by(|one, other| one.0 == other.0) {
-            // An edge with more than two triangles, or with two that run the
-            // same way, joins nothing: it stays visible as a border.
-            if let [one, other] = pair
-                && starts_at(triangles, one) != starts_at(triangles, other)
-            {
+        for around in sides.chunk_by(|one, other| one.0 == other.0) {
+            for [one, other] in wedges(mesh, triangles, around) {
                 corners.join(3 * one.1 + u32::from(one.2), 3 * other.1 + next(other.2));
                 corners.join(3 * one.1 + next(one.2), 3 * other.1 + u32::from(other.2));
             }
@@ -107,6 +104,47 @@ impl Corners {
     }
 }
 
+/// The pairs of triangles at an edge with the inside between them. Where bodies
+/// touch along the edge there are several, and each gets a sheet of its own.
+/// Triangles that cannot all be paired join nothing: they stay visible as a border.
+fn wedges<'a>(mesh: &Mesh, triangles: &[[u32; 3]], around: &'a [Side]) -> Vec<[&'a Side; 2]> {
+    let runs_along = |side: &Side| starts_at(triangles, side) == side.0[0];
+    if 2 * around.iter().filter(|side| runs_along(side)).count() != around.len() {
+        return Vec::new();
+    }
+    if let [one, other] = around {
+        return vec![[one, other]];
+    }
+    // Around the edge, counter-clockwise as seen against it, the inside is behind a
+    // triangle that runs along the edge and ahead of one that runs against it.
+    let mut left: Vec<&Side> = around.iter().collect();
+    left.sort_by(|one, other| {
+        angle(mesh, triangles, one).total_cmp(&angle(mesh, triangles, other)).then(one.cmp(other))
+    });
+    let mut found = Vec::new();
+    while let Some(first) = (0..left.len())
+        .find(|&at| !runs_along(left[at]) && runs_along(left[(at + 1) % left.len()]))
+    {
+        let second = (first + 1) % left.len();
+        found.push([left[first], left[second]]);
+        let pair = [left[first], left[second]];
+        left.retain(|side| !pair.contains(side));
+    }
+    found
+}
+
+/// The direction of a triangle around one of its edges.
+fn angle(mesh: &Mesh, triangles: &[[u32; 3]], side: &Side) -> f64 {
+    let [start, end] = side.0.map(|vertex| mesh.vertices[vertex as usize]);
+    let apex = triangles[side.1 as usize][(usize::from(side.2) + 2) % 3];
+    let along = (end - start).normalize_or(DVec3::Z);
+    let [first, second] = along.any_orthonormal_pair().into();
+    // The pair and the edge must be a right-handed frame, whatever its convention.
+    let turn = first.cross(second).dot(along).signum();
+    let out = mesh.vertices[apex as usize] - start;
+    (turn * out.dot(second)).atan2(out.dot(first))
+}
+
 fn next(corner: u8) -> u32 {
     u32::from((corner + 1) % 3)
 }
@@ -133,7 +171,6 @@ fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     /// Two tetrahedra of one label that share the vertex at the origin.
     fn touching_tetrahedra() -> Mesh {
@@ -158,6 +195,29 @@ mod tests {
         assert_eq!(surface.vertices.len(), 8);
         assert_eq!(surface.triangles.len(), 8);
         assert!((surface.volume() - 2.0 / 6.0).abs() < 1e-15);
+    }
+
+    /// Two tetrahedra of one label that share the edge from the origin to X.
+    #[test]
+    fn bodies_that_touch_along_an_edge_get_a_sheet_each() {
+        let mut mesh = Mesh { vertices: vec![DVec3::ZERO, DVec3::X], ..Mesh::default() };
+        for sign in [1.0, -1.0] {
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend([sign * DVec3::Y, sign * DVec3::Z]);
+            let (y, z) = (first, first + 1);
+            // The half turn around x keeps the orientation.
+            mesh.triangles.extend([[0, y, 1], [0, z, y], [0, 1, z], [1, y, z]]);
+        }
+        mesh.sides = vec![[Label(1), Label::OUTSIDE]; mesh.triangles.len()];
+        let surface = mesh.surface(Label(1));
+        assert_eq!(surface.vertices.len(), 8);
+        assert!(surface.open_edges().is_empty());
+        let facts = surface.facts(false).expect("facts");
+        assert!(facts.outward);
+        assert_eq!((facts.components, facts.genus), (2, 0));
+        assert!((facts.volume - 2.0 / 6.0).abs() < 1e-15);
+        // What is outside is one piece with an edge that it touches itself at.
+        assert!(mesh.surface(Label::OUTSIDE).open_edges().is_empty());
     }
 
     #[test]

@@ -28,7 +28,7 @@ use crate::section::Section;
 /// How far apart two sections' changes of label on their common line may be to
 /// be taken for one, relative to the box's diagonal: what rounding in files
 /// makes of one place.
-const TOLERANCE: f64 = 1e-4;
+const TOLERANCE: f64 = 1e-3;
 
 /// How the exact reconstruction is done.
 #[derive(Debug, Clone, Copy, PartialEq)]
