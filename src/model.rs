@@ -16,9 +16,11 @@ use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::delaunay::{self, delaunay};
 use crate::mesh::dual::dual;
+use crate::oracle::Oracle;
 use crate::plane::Bounds;
 use crate::progress::Progress;
-use crate::section::{Rules, Sections};
+use crate::section::{Rules, Section, Sections};
+use crate::skeleton::{self, Details, skeleton};
 use crate::stage::Stages;
 
 /// How far the box reaches beyond all contours, relative to their diagonal.
@@ -32,6 +34,8 @@ pub(crate) const CLEARANCE: f64 = 0.02;
 /// How a model is derived from its sections.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
+    /// How space between the sections is filled.
+    pub method: Method,
     /// How fine the grid is.
     pub resolution: Resolution,
     /// Steps of bi-Laplacian smoothing (Bermano §4.6).
@@ -49,6 +53,17 @@ pub struct Options {
     pub mesher: Mesher,
 }
 
+/// How space between the sections is filled.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Method {
+    /// By the mean-value indicator (Bermano et al. 2011).
+    #[default]
+    MeanValue,
+    /// By the nearest section, exactly (Barequet and Vaxman 2009). Neither
+    /// smoothing nor mesher nor device matter to it.
+    Skeleton(skeleton::Options),
+}
+
 /// How the surface is made from the samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Mesher {
@@ -62,6 +77,7 @@ pub enum Mesher {
 impl Default for Options {
     fn default() -> Self {
         Self {
+            method: Method::MeanValue,
             resolution: Resolution::Voxels(256),
             smooth: 4,
             device: Device::Auto,
@@ -83,14 +99,16 @@ pub struct Model {
 /// What follows from the sections.
 #[derive(Debug)]
 pub struct Derived {
-    /// The cells between the sections.
-    pub arrangement: Arrangement,
+    /// The cells between the sections, where the field was asked.
+    pub arrangement: Option<Arrangement>,
     /// The field's values near the surface, smoothed.
     pub samples: Samples,
     /// The network of surfaces.
     pub mesh: Mesh,
     /// The backend that evaluated the field.
     pub device: String,
+    /// What else an exact reconstruction says.
+    pub exact: Option<Details>,
 }
 
 impl Model {
@@ -166,7 +184,49 @@ fn derive(
     let bounds = bounds_of(sections)?;
     let lattice = Lattice::new(bounds, options.resolution)?;
     require_memory(&lattice, all, sections.materials.len())?;
+    match &options.method {
+        Method::MeanValue => derive_field(all, bounds, &lattice, options, stages, progress),
+        Method::Skeleton(exact) => derive_skeleton(all, bounds, &lattice, exact, stages, progress),
+    }
+}
 
+/// Exactly; the samples only say labels.
+fn derive_skeleton(
+    sections: &[Section],
+    bounds: Bounds,
+    lattice: &Lattice,
+    options: &skeleton::Options,
+    stages: &mut Stages,
+    progress: &dyn Progress,
+) -> Result<Derived> {
+    let made = stages.run("skeleton", |counts| {
+        let made = skeleton(sections, bounds, options, progress)?;
+        counts.insert("cells".into(), made.details.cells.into());
+        counts.insert("vertices".into(), made.mesh.vertices.len() as u64);
+        counts.insert("triangles".into(), made.mesh.triangles.len() as u64);
+        Ok(made)
+    })?;
+    let samples = stages.run("labels", |counts| {
+        progress.begin("labels", 0);
+        let oracle = Oracle::new(sections, bounds, Label::OUTSIDE)?;
+        let samples = oracle.sample_labels(lattice, progress)?;
+        counts.insert("leaves".into(), samples.leaves.len() as u64);
+        Ok(samples)
+    })?;
+    let device = "exact arithmetic".to_owned();
+    let exact = Some(made.details);
+    Ok(Derived { arrangement: None, samples, mesh: made.mesh, device, exact })
+}
+
+/// By the mean-value field.
+fn derive_field(
+    all: &[Section],
+    bounds: Bounds,
+    lattice: &Lattice,
+    options: &Options,
+    stages: &mut Stages,
+    progress: &dyn Progress,
+) -> Result<Derived> {
     let arrangement = stages.run("arrangement", |counts| {
         progress.begin("arrangement", 0);
         let arrangement = Arrangement::new(all, bounds, options.border)?;
@@ -191,7 +251,7 @@ fn derive(
         let field = field::new(&boundaries, options.device)?;
         let margin = if options.smooth > 0 { SMOOTHING_MARGIN } else { Margin(1) };
         let starts = Starts { sections: all, completion: boundaries.completion() };
-        let sampling = sample(&arrangement, field.as_ref(), &starts, &lattice, margin, progress)?;
+        let sampling = sample(&arrangement, field.as_ref(), &starts, lattice, margin, progress)?;
         counts.insert("leaves".into(), sampling.samples.leaves.len() as u64);
         counts.insert("evaluations".into(), sampling.points);
         Ok((sampling.samples, field.name()))
@@ -210,5 +270,5 @@ fn derive(
         counts.insert("triangles".into(), mesh.triangles.len() as u64);
         Ok(mesh)
     })?;
-    Ok(Derived { arrangement, samples, mesh, device })
+    Ok(Derived { arrangement: Some(arrangement), samples, mesh, device, exact: None })
 }

@@ -7,6 +7,7 @@ use crate::check::Check;
 use crate::ffi::measure::library_versions;
 use crate::model::{Derived, Model};
 use crate::section::{Disagreement, Warning};
+use crate::skeleton::Details;
 use crate::stage::{Stage, Stages};
 
 /// The version of the JSON form.
@@ -37,6 +38,9 @@ pub struct Report {
     pub nodes: [i32; 3],
     /// The side of a voxel, in world units.
     pub voxel: f64,
+    /// What an exact reconstruction says besides.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exact: Option<Details>,
     /// What the result is worth.
     pub check: Check,
     /// What was doubtful about the sections.
@@ -70,6 +74,7 @@ impl Report {
             device: derived.device.clone(),
             nodes: derived.samples.lattice.dims,
             voxel: derived.samples.lattice.voxel,
+            exact: derived.exact.clone(),
             check,
             warnings: sections.warnings.clone(),
             left_out: sections.left_out.clone(),

@@ -44,7 +44,7 @@ pub struct ReconstructArguments {
     /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// How space between the sections is filled: mvc is the mean-value indicator
+    /// How space between the sections is filled: mvc is the mean-value indicator, skeleton the nearest section, exactly
     #[arg(long, value_enum, default_value_t = MethodName::Mvc)]
     pub method: MethodName,
     #[command(flatten)]
@@ -78,6 +78,9 @@ pub struct ReconstructArguments {
         default_value = "surface,density,label,surface_*"
     )]
     pub grids: Vec<String>,
+    /// With --method skeleton: write the surface with exact coordinates as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub exact: Option<PathBuf>,
     /// Write the report as JSON
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
@@ -317,6 +320,7 @@ pub struct CrosscheckArguments {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MethodName {
     Mvc,
+    Skeleton,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

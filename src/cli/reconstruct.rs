@@ -3,24 +3,26 @@
 
 use std::path::Path;
 
-use super::args::ReconstructArguments;
+use super::args::{BorderName, MesherName, MethodName, ReconstructArguments};
 use super::bars::Watcher;
 use super::targets::{Kind, Target};
 use super::{print_warnings, table, write_json};
 use crate::change::Change;
 use crate::check::{self, check};
 use crate::error::{Error, Result};
+use crate::io::exact::write_exact;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
-use crate::model::{Derived, Mesher, Model, Options};
+use crate::model::{Derived, Mesher, Method, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
 use crate::report::Report;
 use crate::section::Sections;
+use crate::skeleton;
 use crate::stage::Stages;
 
 /// Reconstructs and writes.
@@ -58,7 +60,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let open = derived.samples.open.filter(|_| !arguments.caps);
     let checked = stages.run("check", |_| {
         // Cheap for the delaunay mesher's fewer triangles, and promised.
-        let self_intersections = matches!(model.options().mesher, Mesher::Delaunay(_));
+        let self_intersections =
+            matches!(model.options().mesher, Mesher::Delaunay(_)) || derived.exact.is_some();
         let options = check::Options { open, self_intersections };
         let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
         check(&model.sections().sections, mesh, lattice, options, watcher.progress())
@@ -82,6 +85,13 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
             write(&mut outputs, target, &results)
         })?;
     }
+    if let (Some(path), Some(details)) = (&arguments.exact, &derived.exact) {
+        stages.run("exact", |_| {
+            outputs.write(path, |out| {
+                write_exact(&derived.mesh, details, out).map_err(|error| write_error(path, &error))
+            })
+        })?;
+    }
     let report = Report::new(&model, derived, checked, &stages);
     if let Some(path) = &arguments.report {
         outputs.write(path, |out| write_json(path, &report, out))?;
@@ -100,6 +110,7 @@ fn options(arguments: &ReconstructArguments) -> Result<Options> {
         return Err(Error::Option("--caps needs --box unknown".to_owned()));
     }
     Ok(Options {
+        method: method(arguments)?,
         resolution: arguments.grid.resolution(),
         smooth: arguments.smooth,
         device: arguments.device.into(),
@@ -109,11 +120,30 @@ fn options(arguments: &ReconstructArguments) -> Result<Options> {
     })
 }
 
+fn method(arguments: &ReconstructArguments) -> Result<Method> {
+    let exact = arguments.exact.is_some();
+    if arguments.method == MethodName::Mvc {
+        return match exact {
+            true => Err(Error::Option("--exact needs --method skeleton".to_owned())),
+            false => Ok(Method::MeanValue),
+        };
+    }
+    if arguments.border != BorderName::Outside {
+        return Err(Error::Option("--method skeleton needs --box outside".to_owned()));
+    }
+    if arguments.meshing.mesher != MesherName::Dual {
+        let what = "--method skeleton makes its surface without a grid: leave --mesher out";
+        return Err(Error::Option(what.to_owned()));
+    }
+    Ok(Method::Skeleton(skeleton::Options { exact, ..skeleton::Options::default() }))
+}
+
 /// All files whose names are known before anything is read.
 fn reserve(arguments: &ReconstructArguments, targets: &[Target]) -> Result<Outputs> {
     let known = arguments.output.iter().zip(targets).filter(|(_, target)| !target.is_pattern());
     let known = known.map(|(path, _)| path);
-    Outputs::reserve(known.chain(&arguments.report).map(|path| path.as_path()))
+    let json = arguments.report.iter().chain(&arguments.exact);
+    Outputs::reserve(known.chain(json).map(|path| path.as_path()))
 }
 
 /// What there is to write.

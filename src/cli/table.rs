@@ -6,6 +6,7 @@ use crate::check::LabelCheck;
 use crate::compare::Comparison;
 use crate::report::Report;
 use crate::section::Disagreement;
+use crate::skeleton::Details;
 use crate::stage::Stage;
 
 mod crosscheck;
@@ -14,6 +15,8 @@ pub use crosscheck::print_crosscheck;
 
 /// How many labels are shown.
 const LABELS: usize = 24;
+/// How many contradictions are shown.
+const CONTRADICTIONS: usize = 5;
 
 /// Prints a report to stderr.
 pub fn print(report: &Report) {
@@ -24,7 +27,9 @@ pub fn print(report: &Report) {
 }
 
 fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
-    write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &report.device)?;
+    let by = if report.exact.is_some() { "" } else { "field on " };
+    let by = format!("{by}{}", report.device);
+    write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &by)?;
     writeln!(out)?;
     writeln!(
         out,
@@ -48,11 +53,11 @@ fn write_grid(
     [x, y, z]: [i32; 3],
     voxel: f64,
     units: &str,
-    device: &str,
+    by: &str,
 ) -> std::fmt::Result {
     writeln!(
         out,
-        "{sections} sections, grid {x} × {y} × {z}, voxel {voxel:.6}{}{units}, field on {device}",
+        "{sections} sections, grid {x} × {y} × {z}, voxel {voxel:.6}{}{units}, {by}",
         if units.is_empty() { "" } else { " " },
     )
 }
@@ -104,6 +109,9 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
     if thin > 0 {
         writeln!(out, "too thin for the grid: {thin} contour vertices (--report lists them)")?;
     }
+    if let Some(exact) = &report.exact {
+        return write_contradictions(out, exact);
+    }
     // What is shorter than a voxel comes from rounded contours, as a rule.
     let visible = |pair: &&Disagreement| pair.worst_length > report.voxel;
     let disagreements = report.disagreements.iter().filter(visible).count();
@@ -113,6 +121,27 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
             "{disagreements} pairs of sections contradict each other along their common line \
              (`transect inspect` lists them)"
         )?;
+    }
+    Ok(())
+}
+
+/// What is exact is listed, however short.
+fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
+    writeln!(
+        out,
+        "common lines     {} places made one, {} contradictions",
+        exact.snapped,
+        exact.contradictions.len()
+    )?;
+    for found in exact.contradictions.iter().take(CONTRADICTIONS) {
+        let [first, second] = &found.sections;
+        let [from, to] = found.ends.map(|end| end.map(number).join(", "));
+        let [one, other] = [0, 1].map(|which: usize| found.labels[which].join(" "));
+        writeln!(out, "  {first}: {one}, {second}: {other}, from ({from}) to ({to})")?;
+    }
+    let rest = exact.contradictions.len().saturating_sub(CONTRADICTIONS);
+    if rest > 0 {
+        writeln!(out, "  … and {rest} more (--report lists them)")?;
     }
     Ok(())
 }

@@ -36,6 +36,7 @@ pub use parts::positions;
 pub use report::{Crosscheck, Distances, Found, SkeletonReport};
 pub use solids::{LabelSolids, Solid};
 
+use crate::arrangement::Arrangement;
 use crate::change::Change;
 use crate::error::{Error, Result};
 use crate::field::Device;
@@ -146,10 +147,17 @@ pub fn crosscheck(
 /// The field as it is: not smoothed, and meshed by dual contouring.
 fn model_options(options: &Options) -> model::Options {
     let Options { resolution, device, border, spacing, .. } = *options;
-    model::Options { resolution, device, border, spacing, smooth: 0, mesher: Mesher::Dual }
+    let mesher = Mesher::Dual;
+    let own = model::Options::default();
+    model::Options { resolution, device, border, spacing, smooth: 0, mesher, ..own }
 }
 
 fn derived(model: &Model) -> Result<&Derived> {
     let what = || Error::Bug { stage: "model", what: "nothing was derived".to_owned() };
     model.derived().ok_or_else(what)
+}
+
+fn arrangement(derived: &Derived) -> Result<&Arrangement> {
+    let what = || Error::Bug { stage: "model", what: "the field has no cells".to_owned() };
+    derived.arrangement.as_ref().ok_or_else(what)
 }

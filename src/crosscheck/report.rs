@@ -15,7 +15,7 @@ use crate::ffi::measure::library_versions;
 use crate::label::Material;
 use crate::model::Model;
 use crate::section::{Disagreement, Warning};
-use crate::skeleton::Contradiction;
+use crate::skeleton::Details;
 use crate::stage::{Stage, Stages};
 
 /// The version of the JSON form.
@@ -97,8 +97,9 @@ pub struct SkeletonReport {
     pub vertices: usize,
     /// Its triangles.
     pub triangles: usize,
-    /// Where sections contradict each other, the longest first.
-    pub contradictions: Vec<Contradiction>,
+    /// What else an exact one has to say.
+    #[serde(flatten)]
+    pub details: Details,
 }
 
 /// How far surfaces are from each other, in voxels; none where one of them is

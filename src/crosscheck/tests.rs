@@ -121,14 +121,15 @@ fn a_wrong_reference_is_a_violation() {
     let sections = |side| vec![rectangle(-0.1, square(side)), rectangle(0.1, square(side))];
     let findings = check(sections(0.5), 64);
     let derived = derived(&findings.model).unwrap();
-    let boundaries = Boundaries::new(&derived.arrangement, 1e-4, None).unwrap();
+    let cells = arrangement(derived).unwrap();
+    let boundaries = Boundaries::new(cells, 1e-4, None).unwrap();
     let field = field::new(&boundaries, Device::Cpu).unwrap();
     let (own, wrong) = (&findings.model.sections().sections, sections(0.2));
-    let bounds = derived.arrangement.bounds();
+    let bounds = cells.bounds();
     let asked = |sections: &[Section]| {
         let oracle = Oracle::new(sections, bounds, Label::OUTSIDE).unwrap();
         let judges = certain::Judges {
-            arrangement: &derived.arrangement,
+            arrangement: cells,
             boundaries: &boundaries,
             field: field.as_ref(),
             oracle: &oracle,

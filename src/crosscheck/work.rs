@@ -12,7 +12,8 @@ use super::pairing::{Pairing, pairing};
 use super::parts::{parts, positions};
 use super::report::{Distances, Found, SkeletonReport};
 use super::solids::{LabelSolids, solids};
-use super::{Options, derived};
+use super::{Options, arrangement, derived};
+use crate::arrangement::Arrangement;
 use crate::error::Result;
 use crate::field::{self, Boundaries};
 use crate::grid::evidence::Evidence;
@@ -23,9 +24,10 @@ use crate::mesh::delaunay::delaunay;
 use crate::mesh::{Mesh, dual};
 use crate::model::{CLEARANCE, Derived, Model};
 use crate::oracle::Oracle;
+use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::Section;
-use crate::skeleton::{self, skeleton};
+use crate::skeleton::{self, Details, skeleton};
 use crate::stage::Stages;
 
 /// What there is to work on.
@@ -60,6 +62,7 @@ struct Surfaces<'a> {
 #[derive(Clone, Copy)]
 struct Base<'a> {
     derived: &'a Derived,
+    arrangement: &'a Arrangement,
     boundaries: &'a Boundaries<'a>,
     oracle: &'a Oracle<'a>,
 }
@@ -71,11 +74,12 @@ impl Work<'_> {
     /// Those of the stages.
     pub fn compare(&self, other: Option<&Other>, stages: &mut Stages) -> Result<Compared> {
         let derived = derived(self.model)?;
+        let arrangement = arrangement(derived)?;
         let clearance = CLEARANCE * derived.samples.lattice.voxel;
-        let boundaries = Boundaries::new(&derived.arrangement, clearance, self.options.spacing)?;
-        let bounds = derived.arrangement.bounds();
+        let boundaries = Boundaries::new(arrangement, clearance, self.options.spacing)?;
+        let bounds = arrangement.bounds();
         let oracle = Oracle::new(self.sections(), bounds, self.options.border)?;
-        let base = Base { derived, boundaries: &boundaries, oracle: &oracle };
+        let base = Base { derived, arrangement, boundaries: &boundaries, oracle: &oracle };
 
         let pair = self.labels(base, stages)?;
         let (skeleton, how) = self.skeleton(base, stages)?;
@@ -86,7 +90,7 @@ impl Work<'_> {
         let (agreement, differing) = self.agreement(&pair, stages)?;
         let nodes = positions(&pair, &differing);
         let points = self.points(base, &nodes, stages)?;
-        let pairing = self.pairing(derived, &pair, stages)?;
+        let pairing = self.pairing(arrangement, &pair, stages)?;
         let labels = self.solids(&surfaces, stages)?;
         let (distances, vertices) = self.distances(derived, &surfaces, stages)?;
         let depths = depths(&derived.samples.lattice, &differing);
@@ -113,9 +117,9 @@ impl Work<'_> {
     /// Both labels on the field's lattice.
     fn labels(&self, base: Base, stages: &mut Stages) -> Result<Pair> {
         stages.run("oracle", |counts| {
-            let Base { derived, boundaries, oracle } = base;
+            let Base { derived, arrangement: cells, boundaries, oracle } = base;
             let starts = Starts { sections: self.sections(), completion: boundaries.completion() };
-            let (cells, lattice) = (&derived.arrangement, &derived.samples.lattice);
+            let lattice = &derived.samples.lattice;
             let exact = Exact::new(oracle, cells);
             let found = sample(cells, &exact, &starts, lattice, Margin(1), self.progress)?;
             counts.insert("leaves".into(), found.samples.leaves.len() as u64);
@@ -133,7 +137,7 @@ impl Work<'_> {
         stages.run("skeleton", |counts| {
             let made = match is_partial {
                 true => self.sampled_skeleton(base),
-                false => self.exact_skeleton(base.derived),
+                false => self.exact_skeleton(base.arrangement.bounds()),
             }?;
             counts.insert("triangles".into(), made.0.triangles.len() as u64);
             Ok(made)
@@ -141,15 +145,14 @@ impl Work<'_> {
     }
 
     /// Between full sections.
-    fn exact_skeleton(&self, derived: &Derived) -> Result<(Mesh, SkeletonReport)> {
-        let bounds = derived.arrangement.bounds();
+    fn exact_skeleton(&self, bounds: Bounds) -> Result<(Mesh, SkeletonReport)> {
         let options = skeleton::Options::default();
         let made = skeleton(self.sections(), bounds, &options, self.progress)?;
         let report = SkeletonReport {
             exact: true,
             vertices: made.mesh.vertices.len(),
             triangles: made.mesh.triangles.len(),
-            contradictions: made.contradictions,
+            details: made.details,
         };
         Ok((made.mesh, report))
     }
@@ -162,7 +165,7 @@ impl Work<'_> {
             exact: false,
             vertices: mesh.vertices.len(),
             triangles: mesh.triangles.len(),
-            contradictions: Vec::new(),
+            details: Details::default(),
         };
         Ok((mesh, report))
     }
@@ -193,7 +196,7 @@ impl Work<'_> {
         stages.run("points", |counts| {
             let field = field::new(base.boundaries, self.options.device)?;
             let judges = Judges {
-                arrangement: &base.derived.arrangement,
+                arrangement: base.arrangement,
                 boundaries: base.boundaries,
                 field: field.as_ref(),
                 oracle: base.oracle,
@@ -207,10 +210,10 @@ impl Work<'_> {
     }
 
     /// What is joined within cells.
-    fn pairing(&self, derived: &Derived, pair: &Pair, stages: &mut Stages) -> Result<Pairing> {
+    fn pairing(&self, cells: &Arrangement, pair: &Pair, stages: &mut Stages) -> Result<Pairing> {
         stages.run("pairing", |counts| {
             let names: Vec<&str> = self.sections().iter().map(Section::name).collect();
-            let pairing = pairing(&derived.arrangement, &names, pair, self.progress);
+            let pairing = pairing(cells, &names, pair, self.progress);
             counts.insert("cells".into(), pairing.cells as u64);
             Ok(pairing)
         })

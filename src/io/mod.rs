@@ -2,6 +2,7 @@
 
 pub mod contour;
 pub mod csl;
+pub mod exact;
 pub mod json;
 pub mod mesh;
 pub mod nifti;

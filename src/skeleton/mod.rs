@@ -12,6 +12,7 @@
 //! edge of it can have four triangles or a vertex two fans.
 
 mod input;
+mod merge;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,10 +31,15 @@ use crate::section::Section;
 /// makes of one place.
 const TOLERANCE: f64 = 1e-3;
 
+/// Nearer vertices are one, relative to the box's diagonal, unless exact
+/// coordinates are kept: rounding errors of neighbours are about that large.
+const MERGED: f64 = 1e-12;
+
 /// How the exact reconstruction is done.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Whether exact coordinates are kept.
+    /// Whether exact coordinates are kept. Then vertices that rounding can hardly
+    /// tell apart are not joined.
     pub exact: bool,
     /// Accuracy of distances to planes, relative, in bits: doubled until it
     /// suffices.
@@ -83,20 +89,32 @@ pub struct Contradiction {
 }
 
 /// An exact reconstruction.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Skeleton {
     /// The surfaces, coordinates rounded.
     pub mesh: Mesh,
+    /// What else there is to say.
+    pub details: Details,
+}
+
+/// What an exact reconstruction says besides its surfaces.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Details {
     /// For every triangle where it comes from.
+    #[serde(skip)]
     pub origins: Vec<Origin>,
     /// For every vertex its exact coordinates, each "numerator/denominator", when
     /// asked for.
+    #[serde(skip)]
     pub exact: Option<Vec<[String; 3]>>,
     /// Where sections contradict each other, the longest first.
     pub contradictions: Vec<Contradiction>,
     /// How many places on common lines, told apart by rounding alone, were made
     /// one.
     pub snapped: u32,
+    /// How many vertices were joined to others that rounding can hardly tell from
+    /// them.
+    pub joined: u32,
     /// The cells between the sections.
     pub cells: u32,
     /// The accuracy of distances that sufficed.
@@ -135,13 +153,16 @@ pub fn skeleton(
         joined.add(cell as u32, output);
     }
     let contradictions = prepared.contradictions().map_err(failed)?;
-    Ok(Skeleton {
-        contradictions: contradictions_of(sections, contradictions),
-        snapped: prepared.snapped(),
-        cells: prepared.cells(),
-        bits: prepared.bits(),
-        ..joined.into_skeleton()
-    })
+    let mut made = joined.into_skeleton();
+    if !options.exact {
+        made.details.joined = merge::merge(&mut made, MERGED * bounds.diagonal());
+    }
+    let details = &mut made.details;
+    details.contradictions = contradictions_of(sections, contradictions);
+    details.snapped = prepared.snapped();
+    details.cells = prepared.cells();
+    details.bits = prepared.bits();
+    Ok(made)
 }
 
 /// The surfaces of all cells with the points they share.
@@ -199,7 +220,7 @@ impl Joined {
                 number[at]
             }));
         }
-        Skeleton { mesh, origins: self.origins, exact, ..Skeleton::default() }
+        Skeleton { mesh, details: Details { origins: self.origins, exact, ..Details::default() } }
     }
 }
 

@@ -22,7 +22,8 @@ pub fn print_crosscheck(report: &Crosscheck) {
 
 fn write_crosscheck(out: &mut String, report: &Crosscheck) -> std::fmt::Result {
     let found = &report.found;
-    write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &report.device)?;
+    let by = format!("field on {}", report.device);
+    write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &by)?;
     writeln!(out)?;
     write_labels(out, report)?;
     writeln!(out)?;
@@ -30,11 +31,11 @@ fn write_crosscheck(out: &mut String, report: &Crosscheck) -> std::fmt::Result {
     write_points(out, &found.points)?;
     write_parts(out, found.part_count, &found.parts)?;
     write_pairing(out, &found.pairing)?;
-    if let [longest, ..] = &found.skeleton.contradictions[..] {
+    if let [longest, ..] = &found.skeleton.details.contradictions[..] {
         writeln!(
             out,
             "contradictions   {} between sections along their common lines, the longest over {}",
-            found.skeleton.contradictions.len(),
+            found.skeleton.details.contradictions.len(),
             number(longest.length)
         )?;
     }

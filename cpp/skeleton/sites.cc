@@ -1,0 +1,247 @@
+#include "transect/cpp/skeleton/sites.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+namespace transect::skeleton::partial {
+namespace {
+
+std::vector<Point> corners(const PartialCell& cell, const CellPlane& wall) {
+  std::vector<Point> result;
+  for (Index corner : wall.corners) result.push_back(cell.points[corner]);
+  return result;
+}
+
+// The side of a wall on which the cell is not.
+Halfspace beyond(const PartialCell& cell, const CellPlane& wall) {
+  const Plane& plane = (*cell.planes)[wall.plane];
+  const Vector out = plane.normal * Number(-wall.side);
+  return Halfspace(out.x(), out.y(), out.z(), plane.offset * wall.side);
+}
+
+// The part of a plane within the cell, counter-clockwise about the plane's normal.
+std::vector<Point> border(const PartialCell& cell, const CellPlane& patch) {
+  std::vector<Halfspace> halfspaces;
+  Polytope inside = body(cell, halfspaces);
+  const Plane& plane = (*cell.planes)[patch.plane];
+  const Halfspace behind(plane.normal.x(), plane.normal.y(), plane.normal.z(), -plane.offset);
+  const Polytope::Sides sides = inside.sides(behind);
+  if (!sides.behind || !sides.front) {
+    throw std::invalid_argument("a partial section does not cut its cell");
+  }
+  inside.clip(behind);
+  return inside.polygon(inside.facets.back());
+}
+
+std::shared_ptr<const Face> face(const PartialCell& cell, const CellPlane& on,
+                                 const std::vector<Point>& border) {
+  std::vector<Segment> segments;
+  for (const Piece& piece : on.pieces) {
+    if (piece.left == piece.right || piece.left == unknown || piece.right == unknown) continue;
+    segments.push_back({cell.points[piece.from], cell.points[piece.to], piece.left, piece.right});
+  }
+  const Plane& plane = (*cell.planes)[on.plane];
+  PlanarMap map(plane, border, cell.points, on.pieces, on.label);
+  return std::make_shared<Face>(Face{on.plane, std::move(segments), std::move(map)});
+}
+
+// The zones around one site.
+class Zones {
+ public:
+  Zones(const Gauge& gauge, const std::vector<Point>& corners, const Vector& normal)
+      : gauge_(gauge), corners_(corners), normal_(normal) {}
+
+  // Labels of edges and corners are those just inside the polygon.
+  void read(const PlanarMap& map) {
+    const Point inside = CGAL::centroid(corners_[0], corners_[1], corners_[2]);
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      on_edge_.push_back(map.along(corner(i), corner(i + 1), inside - corner(i)));
+      at_corner_.push_back({{}, {map.at(corner(i), inside - corner(i))}});
+    }
+  }
+
+  Zone prism(int side) const {
+    const Vector ray = gauge_.farthest(normal_ * side);
+    const Vector u = normal_ * side / (normal_ * side * ray);
+    std::vector<Halfspace> bounds;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      bounds.push_back(spanned(corner(i), corner(i + 1) - corner(i), ray, corner(i + 2)));
+    }
+    return {through(u, corners_[0]), std::move(bounds), corners_, {ray, ray}, {}};
+  }
+
+  std::vector<Zone> all() const {
+    std::vector<Zone> zones{prism(1), prism(-1)};
+    for (const Gauge::Facet& facet : gauge_.facets) zones.push_back(on_facet(facet));
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      for (const Gauge::Edge& edge : gauge_.edges) {
+        if (auto zone = on_edges(i, edge)) zones.push_back(*zone);
+      }
+    }
+    return zones;
+  }
+
+ private:
+  static Linear through(const Vector& u, const Point& p) {
+    Linear distance{u, u * (p - CGAL::ORIGIN)};
+    CGAL::exact(distance.u);
+    CGAL::exact(distance.c);
+    return distance;
+  }
+
+  // The plane through p along v and w, with the other point behind it.
+  static Halfspace spanned(const Point& p, const Vector& v, const Vector& w, const Point& behind) {
+    const Halfspace plane(p, CGAL::cross_product(v, w));
+    return plane.has_on_positive_side(behind) ? plane.opposite() : plane;
+  }
+
+  // A side of the cone of a facet of the gauge, from a point.
+  Halfspace side(const Gauge::Facet& facet, Index edge, const Point& from) const {
+    const auto& [v, w] = gauge_.edges[edge].corners;
+    Vector middle = CGAL::NULL_VECTOR;
+    for (Index c : facet.corners) middle += gauge_.corners[c];
+    return spanned(from, gauge_.corners[v], gauge_.corners[w], from + middle);
+  }
+
+  const Point& corner(std::size_t i) const { return corners_[i % corners_.size()]; }
+
+  // Around a corner, or an edge that is parallel to the facet.
+  Zone on_facet(const Gauge::Facet& facet) const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < corners_.size(); ++i) {
+      if (facet.polar * (corners_[i] - corners_[best]) > 0) best = i;
+    }
+    const Linear distance = through(facet.polar, corners_[best]);
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (distance.at(corner(i)) == 0 && distance.at(corner(i + 1)) == 0) {
+        return parallel(distance, facet, i);
+      }
+    }
+    std::vector<Halfspace> bounds;
+    for (Index edge : facet.edges) bounds.push_back(side(facet, edge, corners_[best]));
+    const Vector& ray = gauge_.corners[facet.corners[0]];
+    return {distance, std::move(bounds), {corners_[best]}, {ray, ray}, at_corner_[best]};
+  }
+
+  // Feet follow the facet's corners that are farthest away from the edge to both sides;
+  // of two such on a side, the first one, which the facet next to it takes too.
+  Zone parallel(const Linear& distance, const Gauge::Facet& facet, std::size_t i) const {
+    const Vector along = corner(i + 1) - corner(i);
+    const Vector across = CGAL::cross_product(along, facet.polar);
+    Index least = facet.corners[0], most = least;
+    for (Index c : facet.corners) {
+      const Number at = across * gauge_.corners[c];
+      const Number low = across * gauge_.corners[least], high = across * gauge_.corners[most];
+      if (at < low || (at == low && c < least)) least = c;
+      if (at > high || (at == high && c < most)) most = c;
+    }
+    const Vector &low = gauge_.corners[least], &high = gauge_.corners[most];
+    std::vector<Halfspace> bounds{spanned(corner(i), along, low, corner(i) + high),
+                                  spanned(corner(i), along, high, corner(i) + low)};
+    for (Index edge : facet.edges) {
+      const Halfspace at_start = side(facet, edge, corner(i));
+      const bool ends = at_start.orthogonal_vector() * along > 0;
+      bounds.push_back(ends ? side(facet, edge, corner(i + 1)) : at_start);
+    }
+    return {distance, std::move(bounds), {corner(i), corner(i + 1)}, {low, high}, on_edge_[i]};
+  }
+
+  // The facet that an edge of the site and one of the gauge span, if it is one of their
+  // sum: its polar point is between those of the gauge's facets at the edge.
+  std::optional<Zone> on_edges(std::size_t i, const Gauge::Edge& edge) const {
+    const Vector along = corner(i + 1) - corner(i);
+    const Vector& left = gauge_.facets[edge.facets[0]].polar;
+    const Vector& right = gauge_.facets[edge.facets[1]].polar;
+    const Number at_left = left * along, at_right = right * along;
+    if (CGAL::sign(at_left) * CGAL::sign(at_right) >= 0) return {};
+    const Number t = at_left / (at_left - at_right);
+    const Linear distance = through(left + (right - left) * t, corner(i));
+    if (distance.at(corner(i + 2)) >= 0) return {};
+    const Vector &v = gauge_.corners[edge.corners[0]], &w = gauge_.corners[edge.corners[1]];
+    std::vector<Halfspace> bounds{
+        spanned(corner(i), v, w, corner(i + 1)), spanned(corner(i + 1), v, w, corner(i)),
+        spanned(corner(i), along, v, corner(i) + w), spanned(corner(i), along, w, corner(i) + v)};
+    return Zone{distance, std::move(bounds), {corner(i), corner(i + 1)}, {v, w}, on_edge_[i]};
+  }
+
+  const Gauge& gauge_;
+  const std::vector<Point>& corners_;
+  const Vector& normal_;
+  std::vector<PlanarMap::Along> on_edge_, at_corner_;
+};
+
+}  // namespace
+
+Rough::Rough(const Linear& exact)
+    : u{CGAL::to_double(exact.u.x()), CGAL::to_double(exact.u.y()), CGAL::to_double(exact.u.z())},
+      c(CGAL::to_double(exact.c)) {}
+
+std::pair<double, double> Rough::at(const std::array<double, 3>& x) const {
+  double value = -c, sum = std::abs(c);
+  for (int i = 0; i < 3; ++i) {
+    value += u[i] * x[i];
+    sum += std::abs(u[i] * x[i]);
+  }
+  // A few roundings, of 2^-53 each, and those of what was given.
+  return {value, 1e-14 * sum};
+}
+
+Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces) {
+  Polytope body;
+  std::vector<Index> names(cell.points.size(), none);
+  halfspaces.reserve(cell.walls.size());
+  for (const CellPlane& wall : cell.walls) {
+    halfspaces.push_back(beyond(cell, wall));
+    std::vector<Index> loop;
+    for (Index corner : wall.corners) {
+      if (names[corner] == none) {
+        names[corner] = static_cast<Index>(body.points.size());
+        body.points.push_back(cell.points[corner]);
+      }
+      loop.push_back(names[corner]);
+    }
+    // Seen from outside, which is where the normal points if the cell lies behind.
+    if (wall.side > 0) std::reverse(loop.begin(), loop.end());
+    body.facets.push_back({&halfspaces.back(), std::move(loop)});
+  }
+  return body;
+}
+
+std::size_t count_sites(const PartialCell& cell) {
+  std::size_t count = 0;
+  for (const CellPlane& patch : cell.patches) {
+    count += face(cell, patch, border(cell, patch))->map.known().size();
+  }
+  return count;
+}
+
+Gauge gauge(const PartialCell& cell) {
+  std::vector<Plane> planes;
+  for (const CellPlane& wall : cell.walls) planes.push_back((*cell.planes)[wall.plane]);
+  for (const CellPlane& patch : cell.patches) planes.push_back((*cell.planes)[patch.plane]);
+  return Gauge(planes);
+}
+
+std::vector<Site> sites(const PartialCell& cell, const Gauge& gauge) {
+  std::vector<Site> sites;
+  for (const CellPlane& wall : cell.walls) {
+    const std::vector<Point> outline = corners(cell, wall);
+    const Vector& normal = (*cell.planes)[wall.plane].normal;
+    sites.push_back({face(cell, wall, outline), outline, normal, {}});
+    sites.back().zones.push_back(Zones(gauge, outline, normal).prism(wall.side));
+  }
+  for (const CellPlane& patch : cell.patches) {
+    const auto shared = face(cell, patch, border(cell, patch));
+    const Vector& normal = (*cell.planes)[patch.plane].normal;
+    for (const std::vector<Point>& polygon : shared->map.known()) {
+      Zones zones(gauge, polygon, normal);
+      zones.read(shared->map);
+      sites.push_back({shared, polygon, normal, zones.all()});
+    }
+  }
+  return sites;
+}
+
+}  // namespace transect::skeleton::partial
