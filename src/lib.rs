@@ -26,6 +26,7 @@ pub mod change;
 pub mod check;
 pub mod cli;
 pub mod compare;
+pub mod crosscheck;
 pub mod error;
 pub mod ffi;
 pub mod field;

@@ -30,7 +30,7 @@ const MARGIN: f64 = 0.05;
 /// How near to a plane the field is told from its limit, in voxels: nearer
 /// points are taken to be this far away. On the plane the indicator is a
 /// step, in which an interpolated crossing would be lost.
-const CLEARANCE: f64 = 0.02;
+pub(crate) const CLEARANCE: f64 = 0.02;
 
 /// Steps of smoothing on each of fairing's levels.
 const FAIRING_STEPS: u32 = 10;

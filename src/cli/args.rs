@@ -6,9 +6,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::Error;
 use crate::field::Device;
+use crate::grid::lattice::Resolution;
 use crate::label::Label;
 use crate::mesh::delaunay;
-use crate::model::Mesher;
+use crate::model::{self, Mesher};
 use crate::section::{Overlap, Rules};
 
 /// Volumes and surfaces from labelled planar cross-sections of any orientation.
@@ -31,6 +32,8 @@ pub enum Command {
     Inspect(InspectArguments),
     /// Measure how far a mesh is from a reference
     Compare(CompareArguments),
+    /// Reconstruct sections by a second, exact method, and tell where and by how much results differ
+    Crosscheck(CrosscheckArguments),
 }
 
 #[derive(Debug, Args)]
@@ -44,13 +47,8 @@ pub struct ReconstructArguments {
     /// How space between the sections is filled: mvc is the mean-value indicator, skeleton the nearest section, exactly
     #[arg(long, value_enum, default_value_t = MethodName::Mvc)]
     pub method: MethodName,
-    /// Voxels on the longest side of the box [default: 256]
-    #[arg(long, value_name = "N", conflicts_with = "voxel_size",
-          value_parser = clap::value_parser!(u32).range(4..))]
-    pub resolution: Option<u32>,
-    /// The side of a voxel, in world units
-    #[arg(long, value_name = "H", value_parser = positive)]
-    pub voxel_size: Option<f64>,
+    #[command(flatten)]
+    pub grid: GridArguments,
     /// Steps of bi-Laplacian smoothing, contours fixed
     #[arg(long, value_name = "STEPS", default_value_t = 4,
           value_parser = clap::value_parser!(u32).range(..=1000))]
@@ -94,6 +92,27 @@ pub struct ReconstructArguments {
     /// No progress, no warnings, no table
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, Args)]
+pub struct GridArguments {
+    /// Voxels on the longest side of the box [default: 256]
+    #[arg(long, value_name = "N", conflicts_with = "voxel_size",
+          value_parser = clap::value_parser!(u32).range(4..))]
+    pub resolution: Option<u32>,
+    /// The side of a voxel, in world units
+    #[arg(long, value_name = "H", value_parser = positive)]
+    pub voxel_size: Option<f64>,
+}
+
+impl GridArguments {
+    pub fn resolution(self) -> Resolution {
+        match (self.voxel_size, self.resolution) {
+            (Some(size), _) => Resolution::VoxelSize(size),
+            (None, Some(voxels)) => Resolution::Voxels(voxels),
+            (None, None) => model::Options::default().resolution,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Args)]
@@ -243,6 +262,60 @@ pub struct CompareArguments {
     #[arg(long)]
     pub json: bool,
     /// No progress
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CrosscheckArguments {
+    /// Section files: .csl, .contour, .json
+    #[arg(required = true, value_name = "SECTIONS")]
+    pub sections: Vec<PathBuf>,
+    /// An output file, its kind by its name; can be repeated. .vdb: both labels, and how far from each node that differs they agree; .png: the field's surface coloured by its distance from the exact one
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Write the report as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// A mesh to hold our surface against: .ply, .obj, .stl, .off
+    #[arg(long, value_name = "MESH")]
+    pub against: Option<PathBuf>,
+    /// Which meshers make the field's surface: dual always does, delaunay is held against it and is slow
+    #[arg(
+        long,
+        value_enum,
+        value_name = "NAME,...",
+        value_delimiter = ',',
+        default_value = "dual,delaunay"
+    )]
+    pub meshers: Vec<MesherName>,
+    /// Random points at which both methods are asked
+    #[arg(long, value_name = "N", default_value_t = 100_000,
+          value_parser = clap::value_parser!(u32).range(..=100_000_000))]
+    pub points: u32,
+    /// What they are drawn from
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+    #[command(flatten)]
+    pub grid: GridArguments,
+    /// How finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
+    #[arg(long, value_name = "H", value_parser = positive)]
+    pub spacing: Option<f64>,
+    /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it
+    #[arg(long = "box", value_name = "LABEL", value_enum, default_value_t = BorderName::Outside)]
+    pub border: BorderName,
+    /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too
+    #[arg(long, value_enum, default_value_t = DeviceName::Auto)]
+    pub device: DeviceName,
+    /// Threads [default: as many as there are processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub threads: Option<u32>,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    /// No progress, no warnings, no table
     #[arg(short, long)]
     pub quiet: bool,
 }

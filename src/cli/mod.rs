@@ -3,6 +3,7 @@
 mod args;
 mod bars;
 mod compare;
+mod crosscheck;
 mod inspect;
 mod mask;
 mod reconstruct;
@@ -11,6 +12,7 @@ mod table;
 mod targets;
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -51,6 +53,7 @@ fn dispatch(command: &Command) -> Result<()> {
         Command::Mask(arguments) => mask::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
+        Command::Crosscheck(arguments) => crosscheck::run(arguments),
     }
 }
 
@@ -89,6 +92,14 @@ fn print<T: Serialize>(json: bool, value: &T, text: impl Fn(&T) -> String) -> Re
         }
         _ => Ok(()),
     }
+}
+
+/// Writes a report.
+fn write_json<T: Serialize>(path: &Path, report: &T, out: &mut dyn Write) -> Result<()> {
+    serde_json::to_writer_pretty(&mut *out, report)
+        .map_err(io::Error::from)
+        .and_then(|()| out.write_all(b"\n"))
+        .map_err(|error| output::write_error(path, &error))
 }
 
 fn print_warnings(sections: &Sections) {

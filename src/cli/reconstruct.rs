@@ -1,17 +1,15 @@
 //! `transect reconstruct`: sections in, volumes, surfaces, pictures and a
 //! report out.
 
-use std::io::Write;
 use std::path::Path;
 
 use super::args::{BorderName, MesherName, MethodName, ReconstructArguments};
 use super::bars::Watcher;
 use super::targets::{Kind, Target};
-use super::{print_warnings, table};
+use super::{print_warnings, table, write_json};
 use crate::change::Change;
 use crate::check::{self, check};
 use crate::error::{Error, Result};
-use crate::grid::lattice::Resolution;
 use crate::io::exact::write_exact;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
@@ -62,8 +60,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let open = derived.samples.open.filter(|_| !arguments.caps);
     let checked = stages.run("check", |_| {
         // Cheap for the delaunay mesher's fewer triangles, and promised.
-        let self_intersections = matches!(model.options().mesher, Mesher::Delaunay(_))
-            || derived.exact.is_some();
+        let self_intersections =
+            matches!(model.options().mesher, Mesher::Delaunay(_)) || derived.exact.is_some();
         let options = check::Options { open, self_intersections };
         let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
         check(&model.sections().sections, mesh, lattice, options, watcher.progress())
@@ -112,14 +110,9 @@ fn options(arguments: &ReconstructArguments) -> Result<Options> {
     if arguments.caps && border != Label::UNKNOWN {
         return Err(Error::Option("--caps needs --box unknown".to_owned()));
     }
-    let resolution = match (arguments.voxel_size, arguments.resolution) {
-        (Some(size), _) => Resolution::VoxelSize(size),
-        (None, Some(voxels)) => Resolution::Voxels(voxels),
-        (None, None) => Options::default().resolution,
-    };
     Ok(Options {
         method: method(arguments)?,
-        resolution,
+        resolution: arguments.grid.resolution(),
         smooth: arguments.smooth,
         device: arguments.device.into(),
         border,
@@ -225,11 +218,4 @@ fn write_picture(outputs: &mut Outputs, path: &Path, results: &Results) -> Resul
     outputs.write(path, |out| {
         picture::write_png(&image, out).map_err(|error| write_error(path, &error))
     })
-}
-
-fn write_json(path: &Path, report: &Report, out: &mut dyn Write) -> Result<()> {
-    serde_json::to_writer_pretty(&mut *out, report)
-        .map_err(std::io::Error::from)
-        .and_then(|()| out.write_all(b"\n"))
-        .map_err(|error| write_error(path, &error))
 }

@@ -7,6 +7,11 @@ use crate::compare::Comparison;
 use crate::report::Report;
 use crate::section::Disagreement;
 use crate::skeleton::Details;
+use crate::stage::Stage;
+
+mod crosscheck;
+
+pub use crosscheck::print_crosscheck;
 
 /// How many labels are shown.
 const LABELS: usize = 24;
@@ -22,17 +27,9 @@ pub fn print(report: &Report) {
 }
 
 fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
-    let [x, y, z] = report.nodes;
-    writeln!(
-        out,
-        "{} sections, grid {x} × {y} × {z}, voxel {:.6}{}{}, {}{}",
-        report.sections,
-        report.voxel,
-        if report.units.is_empty() { "" } else { " " },
-        report.units,
-        if report.exact.is_some() { "" } else { "field on " },
-        report.device
-    )?;
+    let by = if report.exact.is_some() { "" } else { "field on " };
+    let by = format!("{by}{}", report.device);
+    write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &by)?;
     writeln!(out)?;
     writeln!(
         out,
@@ -47,7 +44,22 @@ fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
         writeln!(out, "… and {rest} more labels")?;
     }
     write_agreement(out, report)?;
-    write_stages(out, report)
+    write_stages(out, &report.stages, report.seconds, report.peak_memory)
+}
+
+fn write_grid(
+    out: &mut String,
+    sections: usize,
+    [x, y, z]: [i32; 3],
+    voxel: f64,
+    units: &str,
+    by: &str,
+) -> std::fmt::Result {
+    writeln!(
+        out,
+        "{sections} sections, grid {x} × {y} × {z}, voxel {voxel:.6}{}{units}, {by}",
+        if units.is_empty() { "" } else { " " },
+    )
 }
 
 fn write_label(out: &mut String, report: &Report, label: &LabelCheck) -> std::fmt::Result {
@@ -143,9 +155,14 @@ fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_stages(out: &mut String, report: &Report) -> std::fmt::Result {
+fn write_stages(
+    out: &mut String,
+    stages: &[Stage],
+    seconds: f64,
+    peak_memory: u64,
+) -> std::fmt::Result {
     writeln!(out)?;
-    for stage in &report.stages {
+    for stage in stages {
         let counts: Vec<String> = stage
             .counts
             .iter()
@@ -160,7 +177,7 @@ fn write_stages(out: &mut String, report: &Report) -> std::fmt::Result {
             counts.join(", ")
         )?;
     }
-    let (seconds, memory) = (report.seconds, mebibytes(report.peak_memory));
+    let memory = mebibytes(peak_memory);
     writeln!(out, "{:<12}{seconds:>8.2} s {memory:>9}", "all")
 }
 

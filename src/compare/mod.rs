@@ -4,6 +4,8 @@
 mod columns;
 mod sampling;
 
+pub(crate) use sampling::draw;
+
 use glam::DVec3;
 use serde::Serialize;
 

@@ -9,6 +9,7 @@ pub mod contour;
 pub mod distance;
 pub mod evidence;
 mod invariant;
+pub mod labels;
 pub mod lattice;
 mod locate;
 pub mod memory;

@@ -9,14 +9,18 @@ use crate::error::{Error, Result};
 use crate::ffi::vdb as ffi;
 use crate::grid::distance::{HALF_WIDTH, narrow_band};
 use crate::grid::evidence::Evidence;
-use crate::grid::samples::{LEAF_NODES, Lattice, Leaf, Samples};
+use crate::grid::labels::LabelGrid;
+use crate::grid::samples::{Lattice, Leaf, Samples};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::section::Section;
 
+mod difference;
+mod labels;
 mod names;
 mod reading;
 
+pub use difference::{DifferenceContents, write_difference};
 pub use names::{GridName, Which};
 pub use reading::{GridInfo, VdbFile};
 
@@ -50,19 +54,46 @@ pub struct VdbContents<'a> {
 /// A grid of a material that does not exist, or a file that cannot be
 /// written whole; a part of it may then be left at `path`.
 pub fn write(path: &Path, contents: &VdbContents) -> Result<()> {
-    let name =
-        path.to_str().ok_or_else(|| Error::file(path, "its name is not UTF-8; rename it"))?;
     let wanted = names::resolve(contents.grids, contents.materials)?;
     let mut builder = Builder::new(contents)?;
     wanted.into_iter().try_for_each(|grid| builder.add(grid))?;
-    builder.describe_file()?;
-    ffi::write(&builder.volumes, name).map_err(|exception| {
+    describe(&mut builder.volumes, "", contents.units, contents.frame)?;
+    finish(&mut builder.volumes, contents.materials, path)
+}
+
+/// Says of the file what its labels mean, and writes it.
+fn finish(
+    volumes: &mut UniquePtr<ffi::Volumes>,
+    materials: &[Material],
+    path: &Path,
+) -> Result<()> {
+    let name =
+        path.to_str().ok_or_else(|| Error::file(path, "its name is not UTF-8; rename it"))?;
+    let materials = serde_json::to_string(materials)
+        .map_err(|error| Error::Bug { stage: "VDB", what: error.to_string() })?;
+    ffi::set_text(volumes.pin_mut(), "", "labels", &materials).map_err(library)?;
+    ffi::write(volumes, name).map_err(|exception| {
         Error::file(path, format!("cannot be written: {}", exception.what()))
     })?;
     // What the system could not store turns up here at the latest.
     let synced =
         std::fs::OpenOptions::new().write(true).open(path).and_then(|file| file.sync_all());
     synced.map_err(|error| Error::file(path, format!("cannot be written: {error}")))
+}
+
+/// Says of a grid, or of the file, who made it and where it is.
+fn describe(
+    volumes: &mut UniquePtr<ffi::Volumes>,
+    grid: &str,
+    units: &str,
+    frame: &str,
+) -> Result<()> {
+    for (key, text) in [("creator", CREATOR), ("units", units), ("frame", frame)] {
+        if !text.is_empty() {
+            ffi::set_text(volumes.pin_mut(), grid, key, text).map_err(library)?;
+        }
+    }
+    Ok(())
 }
 
 /// One grid to be written.
@@ -120,7 +151,10 @@ impl<'a> Builder<'a> {
             Grid::Surface => self.add_level_set(&name, Label::is_material),
             Grid::SurfaceOf(label) => self.add_level_set(&name, |within| within == label),
             Grid::Density => self.add_density(&name),
-            Grid::Label => add_labels(&mut self.volumes, &name, self.contents.samples),
+            Grid::Label => {
+                let grid = LabelGrid::new(self.contents.samples);
+                labels::add_labels(&mut self.volumes, &name, &grid)
+            }
             Grid::IndicatorOf(label) => {
                 add_indicator(&mut self.volumes, &name, self.contents.samples, label)
             }
@@ -177,31 +211,13 @@ impl<'a> Builder<'a> {
 
     fn describe(&mut self, grid: Grid) -> Result<()> {
         let name = grid.name();
-        self.set_text(&name, "creator", CREATOR)?;
-        self.describe_space(&name)?;
+        describe(&mut self.volumes, &name, self.contents.units, self.contents.frame)?;
         let own = |material: &&Material| Some(Label(material.id)) == grid.label();
         if let Some(material) = self.contents.materials.iter().find(own) {
             let [r, g, b] = material.color;
             self.set_text(&name, "label", &material.id.to_string())?;
             self.set_text(&name, "label_name", &material.name)?;
             self.set_text(&name, "label_color", &format!("#{r:02x}{g:02x}{b:02x}"))?;
-        }
-        Ok(())
-    }
-
-    fn describe_file(&mut self) -> Result<()> {
-        self.set_text("", "creator", CREATOR)?;
-        self.describe_space("")?;
-        let materials = serde_json::to_string(self.contents.materials)
-            .map_err(|error| Error::Bug { stage: "VDB", what: error.to_string() })?;
-        self.set_text("", "labels", &materials)
-    }
-
-    fn describe_space(&mut self, grid: &str) -> Result<()> {
-        for (key, text) in [("units", self.contents.units), ("frame", self.contents.frame)] {
-            if !text.is_empty() {
-                self.set_text(grid, key, text)?;
-            }
         }
         Ok(())
     }
@@ -246,32 +262,6 @@ impl<T> Sparse<T> {
         }
         Self { leaves, values, tiles, tile_values }
     }
-}
-
-/// The number of the material at every node.
-fn add_labels(volumes: &mut UniquePtr<ffi::Volumes>, name: &str, samples: &Samples) -> Result<()> {
-    if let Some(large) = samples.materials().last().filter(|label| i32::try_from(label.0).is_err())
-    {
-        return Err(Error::Option(format!(
-            "the grid {name} cannot hold the label {large}, which is over {}: leave it out of \
-             --grids, or number the labels anew",
-            i32::MAX
-        )));
-    }
-    let number = |label: Label| label.0 as i32;
-    let leaf = |leaf: &Leaf| {
-        let mut numbers: Vec<i32> = leaf.labels().into_iter().map(number).collect();
-        if samples.open.is_some() {
-            // Beyond the box nothing is, though values lead there.
-            let beyond = |node: &usize| !samples.lattice.is_inner(leaf.node(*node));
-            (0..LEAF_NODES).filter(beyond).for_each(|node| numbers[node] = 0);
-        }
-        Some(numbers)
-    };
-    let tile = |label: Label| label.is_material().then(|| number(label));
-    let Sparse { leaves, values, tiles, tile_values } = Sparse::new(samples, leaf, tile);
-    ffi::add_numbers(volumes.pin_mut(), name, &leaves, &values, &tiles, &tile_values)
-        .map_err(library)
 }
 
 /// A material's indicator: from −1 far outside to 1 far inside.

@@ -18,6 +18,7 @@ mod normals;
 mod occlusion;
 mod overlay;
 mod raster;
+mod scale;
 mod scene;
 mod shade;
 mod text;
@@ -61,12 +62,35 @@ pub fn render(
     options: &PictureOptions,
 ) -> RgbaImage {
     let scene = Scene::new(mesh, sections, materials);
-    let [width, height] = options.size.map(|side| side.max(1));
-    let legend = overlay::Legend::new(&scene, [width, height]);
-    let frame = legend.free_area([width, height]);
-    let view = view::choose(&scene, frame);
-    let mut image = band::draw(&scene, &view, [width, height], options.samples.clamp(1, 8));
+    let size = options.size.map(|side| side.max(1));
+    let legend = overlay::Legend::new(&scene, size);
+    let view = view::choose(&scene, legend.free_area(size));
+    let mut image = band::draw(&scene, &view, size, options.samples.clamp(1, 8));
     legend.draw(&mut image);
+    overlay::draw_triad(&mut image, &view);
+    image
+}
+
+/// Renders a network as [`render`] does, from the same direction, but coloured
+/// by a value at each vertex that is 0 or more: a distance in `unit`. What the
+/// colours mean is written beside it. A vertex without a value counts as 0.
+pub fn render_values(
+    mesh: &Mesh,
+    values: &[f32],
+    unit: &str,
+    sections: &[Section],
+    options: &PictureOptions,
+) -> RgbaImage {
+    let mut scene = Scene::new(mesh, sections, &[]);
+    let size = options.size.map(|side| side.max(1));
+    let scale = scale::Scale::new(values, unit, size);
+    let view = view::choose(&scene, scale.free_area(size));
+    scene.paint(scale.paints(), |corners| {
+        let values = corners.map(|vertex| values.get(vertex as usize).copied().unwrap_or(0.0));
+        scale.color(values.iter().sum::<f32>() / 3.0)
+    });
+    let mut image = band::draw(&scene, &view, size, options.samples.clamp(1, 8));
+    scale.draw(&mut image);
     overlay::draw_triad(&mut image, &view);
     image
 }
@@ -145,6 +169,21 @@ mod tests {
         assert!(part(&image, 0) > 0.15, "{}", part(&image, 0));
         assert!(part(&image, 2) > 0.05, "{}", part(&image, 2));
         assert!(part(&image, 1) < 0.01, "only an axis is green: {}", part(&image, 1));
+    }
+
+    #[test]
+    fn values_appear_in_the_colours_of_the_scale() {
+        let (mesh, sections) = two_shapes();
+        // The torus is far from something, the sphere is not.
+        let torus = mesh.vertices.iter().map(|vertex| vertex.truncate().length() > 1.05);
+        let values: Vec<f32> = torus.map(|far| if far { 3.0 } else { 0.0 }).collect();
+        let image = render_values(&mesh, &values, "voxels", &sections, &SMALL);
+        let none = render_values(&mesh, &[], "voxels", &sections, &SMALL);
+        // Dark purple and light grey; a grey is nearly the same in all channels.
+        let far = |image: &RgbaImage| {
+            image.pixels().filter(|pixel| i32::from(pixel[0]) > i32::from(pixel[1]) + 30).count()
+        };
+        assert!(far(&image) > far(&none) + 5000, "{} {}", far(&image), far(&none));
     }
 
     #[test]

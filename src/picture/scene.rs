@@ -103,6 +103,18 @@ impl Scene {
         std::iter::once(&self.solid).chain(&self.glass)
     }
 
+    /// Gives other colours to all facets, by their corners; contours get the
+    /// dark of the first colour.
+    pub fn paint(&mut self, colors: Vec<Paint>, color: impl Fn([u32; 3]) -> u16) {
+        for layer in std::iter::once(&mut self.solid).chain(&mut self.glass) {
+            layer.facets.iter_mut().for_each(|facet| facet.material = color(facet.corners));
+            for stroke in &mut layer.strokes {
+                stroke.material = stroke.material.map(|_| 0);
+            }
+        }
+        self.materials = colors;
+    }
+
     fn add_facets(&mut self, mesh: &Mesh, roles: &Roles) {
         for (&[a, b, c], &[back, front]) in mesh.triangles.iter().zip(&mesh.sides) {
             let (behind, before) = (roles.role(back), roles.role(front));

@@ -1,0 +1,163 @@
+//! The field against an independent reconstruction of the same sections, one
+//! mesher against the other, and all of it against a mesh of the user's.
+//!
+//! ```text
+//!            ┌► Model: field ─► samples ─► dual, delaunay ─┐
+//! sections ──┤                    ╎ same lattice           ├─► report, io::vdb, picture
+//!            └► oracle ─► samples ╎   skeleton (exact) ────┘
+//! ```
+//!
+//! The field is not smoothed: that the two must agree somewhere holds for it as
+//! it is alone.
+
+mod against;
+mod agreement;
+mod certain;
+mod depth;
+mod exact;
+mod gap;
+mod pairing;
+mod parts;
+mod report;
+mod rows;
+mod runs;
+mod solids;
+#[cfg(test)]
+mod tests;
+mod work;
+
+pub use against::{Against, Other};
+pub use agreement::{Agreement, Bin, LabelAgreement, Pair};
+pub use certain::{Points, Violation};
+pub use gap::{Gap, OneWay};
+pub use pairing::{Difference, Pairing, Reconstruction, Region};
+pub use parts::Part;
+pub use parts::positions;
+pub use report::{Crosscheck, Distances, Found, SkeletonReport};
+pub use solids::{LabelSolids, Solid};
+
+use crate::arrangement::Arrangement;
+use crate::change::Change;
+use crate::error::{Error, Result};
+use crate::field::Device;
+use crate::grid::lattice::Resolution;
+use crate::label::Label;
+use crate::mesh::{Mesh, delaunay};
+use crate::model::{self, Derived, Mesher, Model};
+use crate::progress::Progress;
+use crate::section::{Rules, Sections};
+use crate::stage::Stages;
+use work::{Compared, Work};
+
+/// How the two reconstructions are made and compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// How fine the grid is.
+    pub resolution: Resolution,
+    /// Where the field is evaluated.
+    pub device: Device,
+    /// What is on the box's faces, as in [`model::Options`].
+    pub border: Label,
+    /// As in [`model::Options`].
+    pub spacing: Option<f64>,
+    /// Random points at which both are asked.
+    pub points: u32,
+    /// What they are drawn from.
+    pub seed: u64,
+    /// Whether the delaunay mesher is held against the dual one.
+    pub delaunay: Option<delaunay::Options>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let model::Options { resolution, device, border, spacing, .. } = model::Options::default();
+        let delaunay = Some(delaunay::Options::default());
+        Self { resolution, device, border, spacing, points: 100_000, seed: 0, delaunay }
+    }
+}
+
+/// What was found, and what it was found on.
+#[derive(Debug)]
+pub struct Findings {
+    /// For people and for programs.
+    pub report: Crosscheck,
+    /// The sections, the cells and the field's surface.
+    pub model: Model,
+    /// The skeleton's surface.
+    pub skeleton: Mesh,
+    /// Both labels at every node.
+    pub pair: Pair,
+    /// The nodes at which they differ, leaf by leaf.
+    pub differing: Vec<[i32; 3]>,
+    /// For each of them how far the nearest node is where they agree, in world
+    /// units.
+    pub depths: Vec<f32>,
+    /// For each vertex of the field's surface how far it is from the skeleton's,
+    /// in voxels.
+    pub distances: Vec<f32>,
+}
+
+impl Findings {
+    /// The field's surface.
+    ///
+    /// # Errors
+    /// When nothing was derived.
+    pub fn field(&self) -> Result<&Mesh> {
+        Ok(&derived(&self.model)?.mesh)
+    }
+
+    /// Whether all points agree that must.
+    ///
+    /// # Errors
+    /// Where some do not: the first of them.
+    pub fn verdict(&self) -> Result<()> {
+        let Some(first) = self.report.found.points.first.first() else { return Ok(()) };
+        let [x, y, z] = first.at;
+        let what = format!(
+            "at {} points the field and the skeleton must agree and do not; at ({x}, {y}, {z}) \
+             the field says {}, the skeleton {}",
+            self.report.found.points.violations,
+            Label(first.field),
+            Label(first.skeleton)
+        );
+        Err(Error::Bug { stage: "crosscheck", what })
+    }
+}
+
+/// Reconstructs sections both ways and compares.
+///
+/// # Errors
+/// Those of the two reconstructions.
+pub fn crosscheck(
+    sections: Sections,
+    rules: &Rules,
+    options: &Options,
+    other: Option<&Other>,
+    stages: &mut Stages,
+    progress: &dyn Progress,
+) -> Result<Findings> {
+    let mut model = Model::new(model_options(options));
+    model.apply(Change::Add(sections), rules, stages, progress)?;
+    let compared = Work { model: &model, options, progress }.compare(other, stages)?;
+    let Compared { found, skeleton, pair, differing, depths, distances } = compared;
+    let report = Crosscheck::new(&model, found, stages)?;
+    Ok(Findings { report, model, skeleton, pair, differing, depths, distances })
+}
+
+/// The field as it is: not smoothed, and meshed by dual contouring.
+fn model_options(options: &Options) -> model::Options {
+    let Options { resolution, device, border, spacing, .. } = *options;
+    let mesher = Mesher::Dual;
+    let own = model::Options::default();
+    model::Options { resolution, device, border, spacing, smooth: 0, mesher, ..own }
+}
+
+fn derived(model: &Model) -> Result<&Derived> {
+    let what = || Error::Bug { stage: "model", what: "nothing was derived".to_owned() };
+    model.derived().ok_or_else(what)
+}
+
+fn arrangement(derived: &Derived) -> Result<&Arrangement> {
+    let what = || Error::Bug { stage: "model", what: "the field has no cells".to_owned() };
+    derived.arrangement.as_ref().ok_or_else(what)
+}
