@@ -6,7 +6,7 @@ use transect::label::Label;
 use transect::mesh::Mesh;
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
-use transect::section::{Loop, Rules, Section};
+use transect::section::{Loop, Overlap, Rules, Section};
 use transect::skeleton::{Options, Skeleton, skeleton};
 
 const BOX: Bounds = Bounds { min: DVec3::splat(-1.5), max: DVec3::splat(1.5) };
@@ -37,7 +37,9 @@ impl Frame {
             .collect();
         let normal = self.across.cross(self.along);
         let plane = Plane { normal, offset: normal.dot(self.origin) };
-        Section::from_loops("partial", plane, &loops, 3.0, &Rules::default()).expect("a section").0
+        // Loops lie on what is unknown, and on each other.
+        let rules = Rules { overlap: Some(Overlap::Last), ..Rules::default() };
+        Section::from_loops("partial", plane, &loops, 3.0, &rules).expect("a section").0
     }
 }
 
