@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 use crate::mesh::sets::Sets;
 use crate::mesh::surface::join_ends;
 
-/// Rounds of splitting, collapsing, flipping and relaxing.
+/// Rounds of splitting, collapsing, flipping and projecting back.
 const ROUNDS: u32 = 3;
 
 /// A patch with vertices of its own: where the network's surface touches itself

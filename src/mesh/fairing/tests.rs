@@ -22,12 +22,12 @@ fn lathe(count: u32, rings: &[(f64, f64, Label)]) -> Mesh {
         let place = |at| DVec3::new(radius * turn(at).cos(), radius * turn(at).sin(), z);
         mesh.vertices.extend((0..count).map(place));
     }
-    for ring in 1..rings.len() {
+    for (ring, &(_, _, below)) in rings.iter().enumerate().skip(1) {
         for at in 0..count {
             let [a, b] = [corner(ring - 1, at), corner(ring - 1, at + 1)];
             let [c, d] = [corner(ring, at), corner(ring, at + 1)];
             mesh.triangles.extend([[a, b, d], [a, d, c]]);
-            mesh.sides.extend([[rings[ring].2, O]; 2]);
+            mesh.sides.extend([[below, O]; 2]);
         }
     }
     for at in 1..count - 1 {
