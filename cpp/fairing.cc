@@ -35,6 +35,18 @@ bool add_triangles(Polyhedron& mesh, rust::Slice<const uint32_t> triangles) {
   return true;
 }
 
+// Whether any triangle has an area; without one there is nothing to project on.
+bool has_area(const Polyhedron& mesh) {
+  for (const auto face : mesh.faces()) {
+    const auto h = mesh.halfedge(face);
+    const auto& a = mesh.point(mesh.source(h));
+    const auto& b = mesh.point(mesh.target(h));
+    const auto& c = mesh.point(mesh.target(mesh.next(h)));
+    if (!CGAL::collinear(a, b, c)) return true;
+  }
+  return false;
+}
+
 // The vertices that triangles have, in their order, and the triangles.
 Patch to_patch(const Polyhedron& mesh, const Origins& origins) {
   Patch patch;
@@ -65,9 +77,12 @@ Patch remesh(rust::Slice<const double> points, rust::Slice<const uint32_t> trian
     origins[vertex] = static_cast<uint32_t>(i / 3);
     is_pinned[vertex] = pinned.at(i / 3) != 0;
   }
-  if (!add_triangles(mesh, triangles)) return Patch();
+  if (!add_triangles(mesh, triangles) || !has_area(mesh)) return Patch();
+  // No relaxation: CGAL 5.5 reads a halfedge that is none where all triangles
+  // around a vertex come to have no area. Smoothing does as much.
   PMP::isotropic_remeshing(mesh.faces(), edge_length, mesh,
                            CGAL::parameters::number_of_iterations(iterations)
+                               .number_of_relaxation_steps(0)
                                .vertex_is_constrained_map(is_pinned)
                                .protect_constraints(true));
   return to_patch(mesh, origins);

@@ -18,12 +18,19 @@ impl Oracle<'_> {
     /// For every known label the distance from a point to the nearest point of
     /// that label, in world units, sorted by label.
     pub fn distances(&self, point: DVec3) -> Vec<(Label, f64)> {
-        self.labels.iter().copied().zip(self.distances_off_planes(point, 0.0)).collect()
+        let distances = self.distances_off_planes(point, 0.0, f64::INFINITY);
+        self.labels.iter().copied().zip(distances).collect()
     }
 
     /// The same by [`Oracle::known_labels`]; planes that are nearer than
-    /// `clearance` count as that far away.
-    pub(super) fn distances_off_planes(&self, point: DVec3, clearance: f64) -> Vec<f64> {
+    /// `clearance` count as that far away, and what is more than `reach` times
+    /// as far as the nearest label may come out as infinite.
+    pub(super) fn distances_off_planes(
+        &self,
+        point: DVec3,
+        clearance: f64,
+        reach: f64,
+    ) -> Vec<f64> {
         let query = Query::new(point);
         let mut best = vec![f64::INFINITY; self.labels.len()];
         if let Some(border) = self.border {
@@ -34,16 +41,24 @@ impl Oracle<'_> {
             self.sites.iter().map(|site| (height(site), site)).collect();
         heights.sort_by(|one, other| one.0.total_cmp(&other.0));
         for (height, site) in heights {
-            if best.iter().all(|&distance| distance <= height) {
+            // Of use below this distance; 0 times infinity is not a number.
+            let nearest = best.iter().copied().fold(f64::INFINITY, f64::min);
+            let useful_near = |nearest: f64| reach * nearest.max(f64::MIN_POSITIVE);
+            let useful = useful_near(nearest);
+            if useful <= height || best.iter().all(|&distance| distance <= height) {
                 break;
             }
             let foot = Foot::new(site, &query);
             let here = foot.label();
+            let useful = match here {
+                Label::UNKNOWN => useful,
+                _ => useful.min(useful_near(height)),
+            };
             for &label in &site.labels {
-                self.lower(&mut best, label, |limit| match label == here {
-                    true => Some(height),
-                    false if limit <= height => None,
-                    false => {
+                self.lower(&mut best, label, |limit| match limit.min(useful) {
+                    _ if label == here => Some(height),
+                    limit if limit <= height => None,
+                    limit => {
                         let aside = (limit * limit - height * height).sqrt();
                         Some(height.hypot(site.aside(&foot, site.around(label)?, aside)?))
                     }

@@ -131,7 +131,7 @@ impl Field for Shares<'_> {
 impl Shares<'_> {
     /// For every label its f.
     fn values(&self, point: DVec3) -> Vec<f32> {
-        let mut weights = self.oracle.distances_off_planes(point, self.clearance);
+        let mut weights = self.oracle.distances_off_planes(point, self.clearance, REACH);
         let nearest = weights.iter().copied().fold(f64::INFINITY, f64::min).max(self.clearance);
         for weight in &mut weights {
             *weight = (nearest / weight.max(nearest) - 1.0 / REACH).max(0.0);

@@ -38,6 +38,14 @@ pub enum Kind {
     Curve,
 }
 
+impl From<Mesh> for Network {
+    /// A mesh without edges that stay.
+    fn from(mesh: Mesh) -> Self {
+        let pinned = vec![false; mesh.vertices.len()];
+        Self { mesh, fixed: BTreeSet::new(), pinned }
+    }
+}
+
 impl Network {
     /// A mesh with edges that stay.
     ///

@@ -11,10 +11,11 @@ use super::network::{Ends, Kind, Network};
 use crate::error::{Error, Result};
 use crate::ffi::fairing::{self, Patch};
 use crate::label::Label;
+use crate::mesh::Mesh;
 use crate::mesh::sets::Sets;
 use crate::mesh::surface::join_ends;
 
-/// Rounds of splitting, collapsing, flipping and relaxing.
+/// Rounds of splitting, collapsing, flipping and projecting back.
 const ROUNDS: u32 = 3;
 
 /// A patch with vertices of its own: where the network's surface touches itself
@@ -44,7 +45,6 @@ impl Network {
                 None => self.put_back(piece),
             }
         }
-        self.divide_chords();
         Ok(())
     }
 
@@ -62,21 +62,19 @@ impl Network {
         self.divide(&parts);
     }
 
-    /// Divides edges that are no borders but lead from border to border: two
-    /// patches could both have one between the same two vertices.
-    fn divide_chords(&mut self) {
-        let edges = self.edges();
-        let mut on_border = self.pinned.clone();
-        for sides in edges.iter().filter(|sides| self.kind(sides) != Kind::Surface) {
-            sides[0].0.iter().for_each(|&end| on_border[end as usize] = true);
+    /// How often to divide edges that are no borders but lead from one vertex
+    /// with a name to another: two patches could have one between the same two.
+    /// One that leads from a vertex to itself, where a surface touches itself,
+    /// has to become three.
+    fn chords(&self, names: &[Option<u32>]) -> BTreeMap<Ends, u32> {
+        let mut parts = BTreeMap::new();
+        for sides in self.edges().iter().filter(|sides| self.kind(sides) == Kind::Surface) {
+            let ends = sides[0].0;
+            if let [Some(one), Some(other)] = ends.map(|end| names[end as usize]) {
+                parts.insert(ends, if one == other { 3 } else { 2 });
+            }
         }
-        let is_chord = |ends: &Ends| ends.iter().all(|&end| on_border[end as usize]);
-        let parts = edges
-            .iter()
-            .filter(|sides| is_chord(&sides[0].0) && self.kind(sides) == Kind::Surface)
-            .map(|sides| (sides[0].0, 2))
-            .collect();
-        self.divide(&parts);
+        parts
     }
 
     /// All patches, in the order of their first triangles.
@@ -139,25 +137,30 @@ impl Network {
 
     /// What stays keeps its vertex of the network, all else is new.
     fn put(&mut self, piece: &Piece, patch: &Patch) {
-        let mut kept: Vec<bool> =
-            piece.vertices.iter().map(|&vertex| self.pinned[vertex as usize]).collect();
+        let mut names: Vec<Option<u32>> = vec![None; piece.vertices.len()];
         for vertex in border(piece.triangles.as_flattened(), |vertex| vertex).into_flattened() {
-            kept[vertex as usize] = true;
+            names[vertex as usize] = Some(piece.vertices[vertex as usize]);
         }
-        let places = patch.points.chunks_exact(3).map(DVec3::from_slice);
-        let numbers: Vec<u32> = patch
-            .origins
-            .iter()
-            .zip(places)
-            .map(|(&origin, place)| match piece.vertices.get(origin as usize) {
-                Some(&vertex) if kept[origin as usize] => vertex,
-                _ => self.add(place, false),
+        for (name, &vertex) in names.iter_mut().zip(&piece.vertices) {
+            *name = name.or(self.pinned[vertex as usize].then_some(vertex));
+        }
+        let name = |&origin: &u32| names.get(origin as usize).copied().flatten();
+        let names: Vec<Option<u32>> = patch.origins.iter().map(name).collect();
+        let mut part = Self::from(Mesh {
+            vertices: patch.points.chunks_exact(3).map(DVec3::from_slice).collect(),
+            triangles: patch.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            sides: vec![piece.sides; patch.triangles.len() / 3],
+        });
+        part.divide(&part.chords(&names));
+        let numbers: Vec<u32> = (0..part.mesh.vertices.len())
+            .map(|at| match names.get(at).copied().flatten() {
+                Some(vertex) => vertex,
+                None => self.add(part.mesh.vertices[at], false),
             })
             .collect();
-        for triangle in patch.triangles.chunks_exact(3) {
-            self.mesh.triangles.push([0, 1, 2].map(|corner| numbers[triangle[corner] as usize]));
-            self.mesh.sides.push(piece.sides);
-        }
+        let renamed = |triangle: [u32; 3]| triangle.map(|vertex| numbers[vertex as usize]);
+        self.mesh.triangles.extend(part.mesh.triangles.into_iter().map(renamed));
+        self.mesh.sides.extend(part.mesh.sides);
     }
 }
 

@@ -22,12 +22,12 @@ fn lathe(count: u32, rings: &[(f64, f64, Label)]) -> Mesh {
         let place = |at| DVec3::new(radius * turn(at).cos(), radius * turn(at).sin(), z);
         mesh.vertices.extend((0..count).map(place));
     }
-    for ring in 1..rings.len() {
+    for (ring, &(_, _, below)) in rings.iter().enumerate().skip(1) {
         for at in 0..count {
             let [a, b] = [corner(ring - 1, at), corner(ring - 1, at + 1)];
             let [c, d] = [corner(ring, at), corner(ring, at + 1)];
             mesh.triangles.extend([[a, b, d], [a, d, c]]);
-            mesh.sides.extend([[rings[ring].2, O]; 2]);
+            mesh.sides.extend([[below, O]; 2]);
         }
     }
     for at in 1..count - 1 {
@@ -98,13 +98,16 @@ fn terraces_of_a_ball_become_round() {
     let facts = fair.surface(A).facts(true).unwrap();
     assert!(facts.closed && facts.outward);
     assert_eq!((facts.components, facts.genus, facts.self_intersections), (1, 0, Some(0)));
-    // A ring of 48 has 0.9971 of the circle's area.
-    assert!((facts.volume / (4.0 * PI / 3.0) - 1.0).abs() < 0.02, "{}", facts.volume);
-    let off = |place: &DVec3| (place.length() - 1.0).abs();
+    // A ring of 48 has 0.9971 of the circle's area; of the caps beyond the last
+    // contours, 0.028 of the volume each, only as much as its slope suggests.
+    assert!((facts.volume / (4.0 * PI / 3.0) - 1.0).abs() < 0.04, "{}", facts.volume);
+    // Between the first contour and the last.
+    let off = |place: &DVec3| {
+        if place.z.abs() > 0.8 { 0.0 } else { (place.length() - 1.0).abs() }
+    };
     let [before, after] =
         [&mesh, &fair].map(|mesh| mesh.vertices.iter().map(off).fold(0.0, f64::max));
-    println!("{before} {after} {} {}", facts.volume, fair.triangles.len());
-    assert!(after < 0.4 * before, "{before} {after}");
+    assert!(after < 0.01 && before > 0.07, "{before} {after}");
 }
 
 #[test]
@@ -113,7 +116,6 @@ fn labels_stay_closed_where_three_meet() {
         let (mesh, fixed) = stacked(upper);
         assert_edge_manifold(&mesh, upper);
         assert_edge_manifold(&mesh, B);
-        let volume = |mesh: &Mesh, label| mesh.surface(label).volume();
         let whole = |mesh: &Mesh| mesh.surface_of(|label| label.is_material()).volume();
         assert!((whole(&mesh) - 20.0).abs() < 1e-12);
         for steps in [0, 10] {
@@ -122,7 +124,6 @@ fn labels_stay_closed_where_three_meet() {
             assert_edge_manifold(&fair, upper);
             assert_edge_manifold(&fair, B);
             assert_kept(&mesh, &fixed, &fair);
-            println!("{upper} {steps} {} {}", whole(&fair), volume(&fair, upper));
             // Creases of 56 in length in all are cut no deeper than 0.4, the
             // coarsest edge, with as much to either side.
             assert!((whole(&fair) - 20.0).abs() < 56.0 * 0.4 * 0.4 / 2.0);
