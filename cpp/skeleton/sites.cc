@@ -74,6 +74,10 @@ class Zones {
 
   std::vector<Zone> all() const {
     std::vector<Zone> zones{prism(1), prism(-1)};
+    for (Zone& zone : zones) {  // each on its own side of the site
+      const auto& [u, c] = zone.distance;
+      zone.bounds.emplace_back(-u.x(), -u.y(), -u.z(), c);
+    }
     for (const Gauge::Facet& facet : gauge_.facets) zones.push_back(on_facet(facet));
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       for (const Gauge::Edge& edge : gauge_.edges) {

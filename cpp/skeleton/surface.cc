@@ -1,6 +1,8 @@
 #include "transect/cpp/skeleton/surface.h"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "transect/cpp/skeleton/overlay.h"
 #include "transect/cpp/skeleton/roofs.h"
@@ -47,6 +49,37 @@ bool labels_differ(const PartialCell& cell) {
          std::any_of(cell.patches.begin(), cell.patches.end(), differs);
 }
 
+// Whether every label's boundary is closed but for edges on the cell's walls, where
+// the next cell goes on.
+bool is_closed(const PartialCell& cell, const PartialSurface& made) {
+  std::map<std::pair<Index, Index>, std::map<Label, int>> balance;
+  for (const Triangle& triangle : made.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const Index from = triangle.corners[corner], to = triangle.corners[(corner + 1) % 3];
+      const int way = from < to ? 1 : -1;
+      auto& labels = balance[std::minmax(from, to)];
+      labels[triangle.back] += way;
+      labels[triangle.front] -= way;
+    }
+  }
+  const auto point = [&](Index index) {
+    const Index own = static_cast<Index>(cell.points.size());
+    return index < own ? cell.points[index] : made.added[index - own];
+  };
+  const auto is_on_wall = [&](const std::pair<Index, Index>& edge) {
+    return std::any_of(cell.walls.begin(), cell.walls.end(), [&](const CellPlane& wall) {
+      const Plane& plane = (*cell.planes)[wall.plane];
+      return CGAL::is_zero(plane.distance(point(edge.first))) &&
+             CGAL::is_zero(plane.distance(point(edge.second)));
+    });
+  };
+  return std::all_of(balance.begin(), balance.end(), [&](const auto& entry) {
+    const bool is_balanced = std::all_of(entry.second.begin(), entry.second.end(),
+                                         [](const auto& label) { return label.second == 0; });
+    return is_balanced || is_on_wall(entry.first);
+  });
+}
+
 CellSurface among_partial_sections(const Prepared& prepared, Index index) {
   std::vector<Index> shared;
   const PartialCell cell = prepared.patches.cell(index, shared);
@@ -57,6 +90,10 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index) {
     return result;
   }
   PartialSurface made = partial_surface(cell);
+  if (!is_closed(cell, made)) {
+    result.is_left_out = true;
+    return result;
+  }
   const Index base = static_cast<Index>(prepared.scene.points.size());
   const auto number = [&](Index point) {
     const Index own = static_cast<Index>(shared.size());
