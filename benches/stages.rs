@@ -89,8 +89,8 @@ fn name(file: &Path) -> String {
 }
 
 fn arrangement(model: &Model) -> Result<&Arrangement> {
-    let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
-    Ok(&derived.arrangement)
+    let arrangement = model.derived().and_then(|derived| derived.arrangement.as_ref());
+    arrangement.ok_or_else(|| Error::Option("nothing was derived".into()))
 }
 
 /// One row of the table of stages; returns the model and the seconds of all

@@ -227,3 +227,92 @@ fn an_stl_file_for_each_label_has_its_closed_surface() {
         assert!(is_closed(&folder.path().join(name)));
     }
 }
+
+#[test]
+fn exact_surfaces_have_exact_coordinates() {
+    let folder = folder();
+    let [mesh, exact, report] =
+        ["surface.ply", "exact.json", "report.json"].map(|name| folder.path().join(name));
+    let mut command = transect();
+    command.arg("reconstruct").arg(repository("tests/corpus").join("organs.csl"));
+    command.args(["--method", "skeleton", "--quiet"]);
+    command.arg("-o").arg(&mesh).arg("--exact").arg(&exact).arg("--report").arg(&report);
+    assert_done(&run(&mut command));
+    assert!(is_closed(&mesh));
+    let mesh = read_mesh(&mesh).expect("a mesh");
+    let file = json(&exact);
+    let vertices = file["vertices"].as_array().expect("vertices");
+    assert_eq!(vertices.len(), mesh.vertices.len());
+    for (vertex, fractions) in mesh.vertices.iter().zip(vertices) {
+        for axis in 0..3 {
+            // Of long numbers the leading digits do.
+            let [above, below] = [0, 1].map(|which| fractions[axis][which].as_str().expect("text"));
+            let leading = |text: &str| {
+                let (sign, digits) = match text.strip_prefix('-') {
+                    Some(digits) => (-1.0, digits),
+                    None => (1.0, text),
+                };
+                let taken = digits.len().min(18);
+                let number: f64 = digits[..taken].parse().expect("digits");
+                (sign * number, (digits.len() - taken) as i32)
+            };
+            let ((above, more), (below, less)) = (leading(above), leading(below));
+            let value = above / below * 10f64.powi(more - less);
+            assert!((value - vertex[axis]).abs() <= 1e-12 * (1.0 + vertex[axis].abs()));
+        }
+    }
+    let triangles = file["triangles"].as_array().expect("triangles").len();
+    assert_eq!(triangles, mesh.triangles.len());
+    for member in ["labels", "kinds", "sections", "cells"] {
+        assert_eq!(file[member].as_array().expect(member).len(), triangles);
+    }
+    let report = json(&report);
+    assert_eq!(report["exact"]["contradictions"], serde_json::json!([]));
+    assert_eq!(report["exact"]["bits"], 60);
+}
+
+#[test]
+fn a_fair_surface_keeps_the_contours() {
+    let folder = folder();
+    let surface = |name: &str, more: &[&str]| {
+        let path = folder.path().join(name);
+        let more = [&["--method", "skeleton", "--quiet"], more].concat();
+        assert_done(&reconstruct_small("organs.csl", &path, &more));
+        assert!(is_closed(&path), "{name}");
+        read_mesh(&path).expect("a mesh")
+    };
+    let (plain, fair) = (surface("plain.ply", &[]), surface("fair.ply", &["--fair"]));
+    assert_ne!(plain, fair);
+    let sections = transect::io::read_all(
+        &[repository("tests/corpus").join("organs.csl")],
+        &transect::section::Rules::default(),
+    )
+    .expect("sections");
+    let mut kept = 0;
+    for section in &sections.sections {
+        for vertex in 0..section.vertices().len() as u32 {
+            let point = section.point(vertex);
+            if plain.vertices.contains(&point) {
+                assert!(fair.vertices.contains(&point), "{point}");
+                kept += 1;
+            }
+        }
+    }
+    assert_eq!(kept, 12);
+}
+
+#[test]
+fn the_exact_method_refuses_what_has_no_meaning_for_it() {
+    let folder = folder();
+    let mesh = folder.path().join("mesh.ply");
+    let exact = folder.path().join("exact.json").display().to_string();
+    let refused = |more: &[&str], words: &str| {
+        assert_refused(&reconstruct_small("organs.csl", &mesh, more), &[words]);
+        assert!(!mesh.exists());
+    };
+    refused(&["--exact", &exact], "--method skeleton");
+    refused(&["--fair"], "--method skeleton");
+    refused(&["--method", "skeleton", "--box", "unknown"], "--box outside");
+    refused(&["--method", "skeleton", "--mesher", "delaunay"], "--mesher");
+    refused(&["--method", "skeleton", "--fair", "--exact", &exact], "--fair");
+}

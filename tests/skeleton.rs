@@ -12,19 +12,13 @@ use transect::progress::Silent;
 use transect::section::{Loop, Rules, Section};
 use transect::skeleton::{Kind, Options, Skeleton, skeleton};
 
-mod common;
-
 const BOX: Bounds = Bounds { min: DVec3::splat(-1.5), max: DVec3::splat(1.5) };
 
 /// A section with loops of labels.
 fn section(normal: DVec3, offset: f64, loops: &[(u32, Vec<DVec3>)]) -> Section {
     let loops: Vec<Loop> = loops
         .iter()
-        .map(|(label, points)| Loop {
-            points: points.clone(),
-            label: Label(*label),
-            hole_of: None,
-        })
+        .map(|(label, points)| Loop { points: points.clone(), label: Label(*label), hole_of: None })
         .collect();
     named(&format!("{normal} {offset}"), normal, offset, &loops)
 }
@@ -269,7 +263,9 @@ fn contradicting_sections_are_reported_and_closed() {
     let empty = named("empty", DVec3::X, 0.0, &[]);
     let result = expect(&[flat(0.0, &[square(0.0, 0.5)]), empty], 2, 0, 0.5);
     assert_eq!(edges_of(&result.mesh, Label(1)).0, 1);
-    let [found] = &result.details.contradictions[..] else { panic!("{:?}", result.details.contradictions) };
+    let [found] = &result.details.contradictions[..] else {
+        panic!("{:?}", result.details.contradictions)
+    };
     assert_eq!(found.sections[1], "empty");
     assert_eq!(found.labels, [vec!["1".to_owned()], vec!["outside".to_owned()]]);
     let mut ends = found.ends;
@@ -315,8 +311,10 @@ fn nearly_parallel_planes_need_more_bits() {
         .into_iter()
         .map(|point| DVec3::new(point.x, point.y, 1e-11 * point.x))
         .collect();
-    let sections =
-        [flat(0.0, &[square(0.0, 0.5)]), section(DVec3::new(-1e-11, 0.0, 1.0), 0.0, &[(1, tilted)])];
+    let sections = [
+        flat(0.0, &[square(0.0, 0.5)]),
+        section(DVec3::new(-1e-11, 0.0, 1.0), 0.0, &[(1, tilted)]),
+    ];
     let result = exact(&sections);
     assert_eq!(result.details.bits, 120);
     // Between planes that doubles hardly tell apart rounding makes triangles meet.

@@ -2,12 +2,16 @@
 //! one piece, and nearly everywhere the label is that of the nearest known point.
 
 use glam::DVec3;
+use transect::change::Change;
+use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
+use transect::model::{Method, Model, Options as ModelOptions};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
-use transect::section::{Loop, Overlap, Rules, Section};
+use transect::section::{Loop, Overlap, Rules, Section, Sections};
 use transect::skeleton::{Options, Skeleton, skeleton};
+use transect::stage::Stages;
 
 const BOX: Bounds = Bounds { min: DVec3::splat(-1.5), max: DVec3::splat(1.5) };
 
@@ -145,4 +149,29 @@ fn a_patch_guides() {
     let [lower, upper] = slices;
     let guide = flat(0.0).section(&[(Label(1), rectangle([-0.75, 0.75], [-0.375, 0.375]))]);
     body(&reconstruct(&[lower, upper, guide]).mesh, 1);
+}
+
+/// More partial sections than a cell can be divided among: the surface comes from the
+/// grid, and the report says so.
+#[test]
+fn too_many_patches_are_left_to_the_grid() {
+    let patch = |layer: i32| {
+        let height = 0.25 * f64::from(layer);
+        flat(height).section(&[(Label(1), rectangle([-0.5, 0.5], [-0.5, 0.5]))])
+    };
+    let rules = Rules::default();
+    let sections = Sections::new((-3..=3).map(patch).collect(), &rules).expect("sections");
+    let options = ModelOptions {
+        method: Method::Skeleton { options: Options::default(), fairing: None },
+        resolution: Resolution::Voxels(32),
+        ..ModelOptions::default()
+    };
+    let mut model = Model::new(options);
+    model.apply(Change::Add(sections), &rules, &mut Stages::default(), &Silent).expect("a model");
+    let derived = model.derived().expect("something was derived");
+    let details = derived.exact.as_ref().expect("details");
+    assert_eq!(details.left_out, [0]);
+    let facts = derived.mesh.surface(Label(1)).facts(false).expect("facts");
+    assert!(facts.closed && facts.outward);
+    assert_eq!((facts.components, facts.genus), (1, 0));
 }

@@ -156,13 +156,13 @@ class Cutter {
       through.push_back(plane);
     }
     if (through.size() < 2) throw std::logic_error("an edge of a cell is on less than two planes");
-    const Point point = meeting_point(scene_.planes[through[0]], scene_.planes[through[1]],
-                                      scene_.planes[plane_]);
+    const Point point =
+        meeting_point(scene_.planes[through[0]], scene_.planes[through[1]], scene_.planes[plane_]);
     Sides sides(a.size());
     for (Index plane = 0; plane < sides.size(); ++plane) {
       const bool decided = a[plane] * b[plane] >= 0;
-      sides[plane] = decided ? (a[plane] != 0 ? a[plane] : b[plane])
-                             : scene_.points.side_of(point, plane);
+      sides[plane] =
+          decided ? (a[plane] != 0 ? a[plane] : b[plane]) : scene_.points.side_of(point, plane);
     }
     sides[plane_] = 0;
     const Index made = scene_.points.add(point, std::move(sides));
@@ -299,8 +299,10 @@ LinePoints::LinePoints(const Scene& scene) : scene_(scene) {
         Sides sides = scene.points.sides(point);
         int zeros = 0;
         for (Index plane = 0; plane < sides.size(); ++plane) {
-          if (!scene.bounds_cells(plane)) sides[plane] = 0;
-          else if (sides[plane] == 0) ++zeros;
+          if (!scene.bounds_cells(plane))
+            sides[plane] = 0;
+          else if (sides[plane] == 0)
+            ++zeros;
         }
         if (zeros >= 2) points_[std::string(sides.begin(), sides.end())].push_back(point);
       }

@@ -239,11 +239,10 @@ std::vector<Step> steps(const Profile& a, const Profile& b) {
   auto one = a.events.begin(), other = b.events.begin();
   while (one != a.events.end() || other != b.events.end()) {
     const bool take_one = one != a.events.end(), take_other = other != b.events.end();
-    const auto order = !take_one     ? CGAL::LARGER
-                       : !take_other ? CGAL::SMALLER
-                       : one->point == other->point
-                           ? CGAL::EQUAL
-                           : CGAL::compare(one->place, other->place);
+    const auto order = !take_one                    ? CGAL::LARGER
+                       : !take_other                ? CGAL::SMALLER
+                       : one->point == other->point ? CGAL::EQUAL
+                                                    : CGAL::compare(one->place, other->place);
     Step step{order == CGAL::LARGER ? other->point : one->point, {nullptr, nullptr}};
     if (order != CGAL::LARGER) step.after[0] = &(one++)->after;
     if (order != CGAL::SMALLER) step.after[1] = &(other++)->after;
@@ -298,9 +297,8 @@ void for_each_line(const Scene& scene, Visit visit) {
 void reconcile(Scene& scene, double tolerance, Index first_cut) {
   Moves moves;
   Matching matching(scene, tolerance, first_cut, moves);
-  for_each_line(scene, [&](const Line&, const Profile& a, const Profile& b) {
-    matching.match(a, b);
-  });
+  for_each_line(scene,
+                [&](const Line&, const Profile& a, const Profile& b) { matching.match(a, b); });
   for (bool again = true; again;) {
     again = false;
     for (Index plane = 0; plane < scene.sections.size(); ++plane) {

@@ -176,9 +176,9 @@ class Maker {
     for (Index other = 0; other < heights_.count(); ++other) {
       made.heights.push_back(other == wall ? Number(0) : heights_.over(wall, other, point));
       if (other == wall) continue;
-      const auto order = made.lowest.empty() ? CGAL::SMALLER
-                                             : CGAL::compare(made.heights[other],
-                                                             made.heights[made.lowest[0]]);
+      const auto order = made.lowest.empty()
+                             ? CGAL::SMALLER
+                             : CGAL::compare(made.heights[other], made.heights[made.lowest[0]]);
       if (order == CGAL::SMALLER) made.lowest.clear();
       if (order != CGAL::LARGER) made.lowest.push_back(other);
     }
@@ -247,8 +247,8 @@ class Maker {
     const bool same = (site(wall).side > 0) == (owner == 0);
     const Piece& piece = lifted.piece;
     lifted.parts.push_back({found->second, roof.chains.size()});
-    roof.chains.push_back({from, to, same ? piece.left : piece.right,
-                           same ? piece.right : piece.left, owner, {}});
+    roof.chains.push_back(
+        {from, to, same ? piece.left : piece.right, same ? piece.right : piece.left, owner, {}});
   }
 
   using SideName = std::pair<Index, Index>;
@@ -275,8 +275,10 @@ class Maker {
     for (const auto& [walls, arrived] : arrivals_) {
       const auto found = named.find(walls);
       for (Index point : arrived) {
-        if (found == named.end()) place_anywhere(point);
-        else for (const SideName& name : found->second) place(point, roofs_at[name]);
+        if (found == named.end())
+          place_anywhere(point);
+        else
+          for (const SideName& name : found->second) place(point, roofs_at[name]);
       }
     }
     for (const auto& [name, roofs] : roofs_at) {

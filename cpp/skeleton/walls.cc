@@ -52,8 +52,7 @@ void add_wall(const Heights& heights, const Roofs& roofs, const Lifted& lifted,
   const Label back = site.side > 0 ? piece.left : piece.right;
   const Label front = site.side > 0 ? piece.right : piece.left;
   const auto add = [&](Index a, Index b, Index c) {
-    triangles.push_back(
-        oriented({{a, b, c}, back, front, Kind::wall, {site.plane, site.plane}}));
+    triangles.push_back(oriented({{a, b, c}, back, front, Kind::wall, {site.plane, site.plane}}));
   };
   // A fan from a point inside a side has no flat triangle: neither have fans
   // from corners where no side has such a point.

@@ -105,8 +105,8 @@ fn wedges<'a>(mesh: &Mesh, triangles: &[[u32; 3]], around: &'a [Side]) -> Vec<[&
         angle(mesh, triangles, one).total_cmp(&angle(mesh, triangles, other)).then(one.cmp(other))
     });
     let mut found = Vec::new();
-    while let Some(first) = (0..left.len())
-        .find(|&at| !runs_along(left[at]) && runs_along(left[(at + 1) % left.len()]))
+    while let Some(first) =
+        (0..left.len()).find(|&at| !runs_along(left[at]) && runs_along(left[(at + 1) % left.len()]))
     {
         let second = (first + 1) % left.len();
         found.push([left[first], left[second]]);
