@@ -1,8 +1,9 @@
 //! `./x bench`: seconds per stage, field evaluations, edge evaluations per
 //! second for each backend beside the scalar f64 reference, and peak memory,
 //! for the bundled example and the real files there are; what it costs when a
-//! fifth of every section is unknown; and points per second of the oracle beside
-//! plain floats that look at every edge.
+//! fifth of every section is unknown; points per second of the oracle beside
+//! plain floats that look at every edge; and the exact reconstruction beside the
+//! way from sections to a mesh by the field.
 //!
 //! `cargo bench -- NAME...` takes only the files whose names contain a NAME.
 
@@ -24,6 +25,7 @@ use transect::oracle::Oracle;
 use transect::plane::Bounds;
 use transect::progress::Silent;
 use transect::section::{Rules, Section, Sections};
+use transect::skeleton::{self, skeleton};
 use transect::stage::Stages;
 
 /// The stages that are shown, in their order.
@@ -62,6 +64,10 @@ fn main() -> Result<()> {
     println!("\n{:<22}M points a second of the oracle (× plain floats)", "");
     for (name, model, partial) in &models {
         oracle_rates(name, model, partial)?;
+    }
+    println!("\n{:<22}seconds of the exact reconstruction (× the field's)", "");
+    for (name, model, _) in &models {
+        exact_seconds(name, model)?;
     }
     Ok(())
 }
@@ -121,6 +127,26 @@ fn reconstruct(
         derived.mesh.triangles.len()
     );
     Ok((model, stages.seconds()))
+}
+
+/// One row of the table of the exact reconstruction.
+fn exact_seconds(name: &str, model: &Model) -> Result<()> {
+    let bounds = arrangement(model)?.bounds();
+    let sections = &model.sections().sections;
+    let start = Instant::now();
+    let exact = skeleton(sections, bounds, &skeleton::Options::default(), &Silent)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let (added, rules) = (model.sections().clone(), Rules::default());
+    let mut other = Model::new(*model.options());
+    other.apply(Change::Add(added), &rules, &mut Stages::default(), &Silent)?;
+    let field = start.elapsed().as_secs_f64();
+    let (cells, triangles) = (exact.details.cells, exact.mesh.triangles.len());
+    println!(
+        "{name:<22}{seconds:>8.3} (× {:.2})  {cells} cells, {triangles} triangles",
+        seconds / field
+    );
+    Ok(())
 }
 
 /// One row of the table of the oracle: all sections full, and a fifth unknown.

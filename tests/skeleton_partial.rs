@@ -133,6 +133,38 @@ fn three_patches() {
     }
 }
 
+/// A whole section, and a patch on one side of it that is partly over its square: the
+/// section is between the patch and what lies beyond, where nothing changes.
+#[test]
+fn a_patch_behind_a_section() {
+    let whole = (Label(0), rectangle([-8.0, 8.0], [-8.0, 8.0]));
+    let square = (Label(1), rectangle([-0.5, 0.5], [-0.5, 0.5]));
+    let section = flat(-0.5).section(&[whole, square]);
+    let alone = body(&reconstruct(std::slice::from_ref(&section)).mesh, 1);
+    // Halfway to the box above and below: ½ · (2 + 1).
+    assert!((alone - 1.5).abs() < 1e-9, "{alone}");
+    let patch = flat(0.25).section(&[(Label(1), rectangle([-0.75, 0.25], [-0.25, 0.75]))]);
+    let result = reconstruct(&[section, patch]);
+    assert!(body(&result.mesh, 1) > alone);
+    let lowest = result.mesh.vertices.iter().map(|vertex| vertex.z).fold(f64::INFINITY, f64::min);
+    assert_eq!(lowest, -1.0);
+}
+
+/// An upright patch that a whole section crosses, in the plane of its symmetry.
+#[test]
+fn a_patch_across_a_section() {
+    let whole = (Label(0), rectangle([-8.0, 8.0], [-8.0, 8.0]));
+    let section = flat(0.0).section(&[whole, (Label(1), rectangle([-0.5, 0.5], [-0.5, 0.5]))]);
+    let upright = Frame { origin: DVec3::ZERO, across: DVec3::X, along: DVec3::Z };
+    let patch = upright.section(&[
+        (Label(0), rectangle([-1.0, 1.0], [-0.5, 0.5])),
+        (Label(1), rectangle([-0.5, 0.5], [-0.25, 0.25])),
+    ]);
+    let result = reconstruct(&[section, patch]);
+    assert!(result.details.contradictions.is_empty());
+    body(&result.mesh, 1);
+}
+
 /// Two slices whose stripes are not above each other are joined by a patch in between
 /// (the paper's Figure 8), and not without it.
 #[test]

@@ -7,7 +7,7 @@ pub mod dual;
 pub mod facts;
 pub mod fairing;
 pub mod nearest;
-mod sets;
+pub(crate) mod sets;
 #[cfg(test)]
 pub(crate) mod shapes;
 pub mod surface;

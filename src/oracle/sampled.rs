@@ -52,10 +52,25 @@ impl Oracle<'_> {
         lattice: &Lattice,
         progress: &dyn Progress,
     ) -> Result<Samples> {
-        let sections: Vec<Section> = self.sites.iter().map(|site| site.section.clone()).collect();
+        let sections: Vec<Section> = self.sites.iter().map(|site| outlined(site.section)).collect();
         let starts = Starts { sections: &sections, completion: &Completion::default() };
         Ok(sample(self, field, &starts, lattice, Margin(1), progress)?.samples)
     }
+}
+
+/// The section with all its edges as contours, so that the surface is also found
+/// around a part of one label in the middle of what is unknown.
+fn outlined(section: &Section) -> Section {
+    const BEYOND: Label = Label(Label::UNKNOWN.0 - 1);
+    let mut outlined = section.clone();
+    for edge in &mut outlined.edges {
+        for label in [&mut edge.left, &mut edge.right] {
+            if *label == Label::UNKNOWN {
+                *label = BEYOND;
+            }
+        }
+    }
+    outlined
 }
 
 /// The box is one cell: where other planes are plays no role.

@@ -10,6 +10,7 @@ use glam::{DVec3, I64Vec3};
 
 use crate::label::Label;
 use crate::mesh::back_and_front;
+use crate::mesh::sets::Sets;
 
 use super::{Origin, Skeleton};
 
@@ -40,28 +41,19 @@ fn groups(points: &[DVec3], distance: f64) -> Vec<u32> {
     for (index, &point) in points.iter().enumerate() {
         places.entry(place(point)).or_default().push(index as u32);
     }
-    let mut parent: Vec<u32> = (0..points.len() as u32).collect();
+    let mut sets = Sets::new(points.len());
     for (index, &point) in points.iter().enumerate() {
         for other in around(place(point)).filter_map(|place| places.get(&place)).flatten() {
             if points[*other as usize].distance(point) <= distance {
-                let (one, other) = (root(&mut parent, index as u32), root(&mut parent, *other));
-                parent[one.max(other) as usize] = one.min(other);
+                sets.join(index as u32, *other);
             }
         }
     }
-    (0..points.len() as u32).map(|index| root(&mut parent, index)).collect()
+    (0..points.len() as u32).map(|index| sets.root(index)).collect()
 }
 
 fn around(place: I64Vec3) -> impl Iterator<Item = I64Vec3> {
     (0..27).map(move |i| place + I64Vec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1))
-}
-
-fn root(parent: &mut [u32], mut index: u32) -> u32 {
-    while parent[index as usize] != index {
-        parent[index as usize] = parent[parent[index as usize] as usize];
-        index = parent[index as usize];
-    }
-    index
 }
 
 /// Leaves out triangles with a corner twice. Of several with the same corners

@@ -123,8 +123,8 @@ pub struct Details {
     pub joined: u32,
     /// The cells between the full sections.
     pub cells: u32,
-    /// Those that hold too many partial sections and have no surface: the mesh is
-    /// not closed around them.
+    /// Those that hold too many partial sections, or such with too many corners, and
+    /// have no surface: the mesh is not closed around them.
     pub left_out: Vec<u32>,
     /// The accuracy of distances that sufficed.
     pub bits: u32,
