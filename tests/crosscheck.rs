@@ -79,7 +79,7 @@ fn labels_agree_where_they_must_and_all_is_written() {
 fn volumes_hold_both_labels_and_where_they_differ() {
     let folder = folder();
     let more = ["--resolution", "24", "--meshers", "dual", "--json", "--quiet"];
-    let output = crosscheck(folder.path(), &phantom(), &["c.vdb"], &more);
+    let output = crosscheck(folder.path(), &program::phantom(), &["c.vdb"], &more);
     assert_done(&output);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let file = VdbFile::read(&folder.path().join("c.vdb")).expect("volumes");
