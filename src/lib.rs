@@ -19,6 +19,10 @@
 //! - in a [`mesh::Mesh`] every label's boundary is closed, oriented outward,
 //!   and has two triangles at each edge.
 //!
+//! Beside this row stand the [`oracle`], the label of the nearest known point, and
+//! the [`skeleton`](mod@skeleton), a surface made by that principle in rational
+//! arithmetic; [`crosscheck`](mod@crosscheck) holds the two ways against each other.
+//!
 //! `docs/architecture.md` says why.
 
 pub mod arrangement;
