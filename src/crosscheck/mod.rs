@@ -14,7 +14,6 @@ mod against;
 mod agreement;
 mod certain;
 mod depth;
-mod exact;
 mod gap;
 mod pairing;
 mod parts;

@@ -6,7 +6,6 @@ use super::against::{Against, Other, against};
 use super::agreement::{Agreement, Pair, agreement};
 use super::certain::{Judges, Points, points};
 use super::depth::depths;
-use super::exact::Exact;
 use super::gap::{Gap, Measured, gap};
 use super::pairing::{Pairing, pairing};
 use super::parts::{parts, positions};
@@ -18,7 +17,6 @@ use crate::error::Result;
 use crate::field::{self, Boundaries};
 use crate::grid::evidence::Evidence;
 use crate::grid::labels::LabelGrid;
-use crate::grid::sampling::{Margin, Starts, sample};
 use crate::label::Label;
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::{Mesh, dual};
@@ -117,15 +115,10 @@ impl Work<'_> {
     /// Both labels on the field's lattice.
     fn labels(&self, base: Base, stages: &mut Stages) -> Result<Pair> {
         stages.run("oracle", |counts| {
-            let Base { derived, arrangement: cells, boundaries, oracle } = base;
-            let starts = Starts { sections: self.sections(), completion: boundaries.completion() };
-            let lattice = &derived.samples.lattice;
-            let exact = Exact::new(oracle, cells);
-            let found = sample(cells, &exact, &starts, lattice, Margin(1), self.progress)?;
-            counts.insert("leaves".into(), found.samples.leaves.len() as u64);
-            counts.insert("evaluations".into(), found.points);
-            let field = LabelGrid::new(&derived.samples);
-            Ok(Pair { field, skeleton: LabelGrid::new(&found.samples) })
+            let samples = &base.derived.samples;
+            let found = base.oracle.sample_labels(&samples.lattice, self.progress)?;
+            counts.insert("leaves".into(), found.leaves.len() as u64);
+            Ok(Pair { field: LabelGrid::new(samples), skeleton: LabelGrid::new(&found) })
         })
     }
 
