@@ -9,7 +9,8 @@ use crate::field::Device;
 use crate::grid::lattice::Resolution;
 use crate::label::Label;
 use crate::mesh::delaunay;
-use crate::model::{self, Mesher};
+use crate::method::Mesher;
+use crate::model;
 use crate::section::{Overlap, Rules};
 
 /// Volumes and surfaces from labelled planar cross-sections of any orientation.
@@ -44,29 +45,28 @@ pub struct ReconstructArguments {
     /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// How space between the sections is filled: mvc is the mean-value indicator, skeleton the nearest section, exactly
-    #[arg(long, value_enum, default_value_t = MethodName::Mvc)]
+    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, skeleton the nearest section, exactly
+    #[arg(long, value_enum, default_value_t = MethodName::Variational)]
     pub method: MethodName,
     #[command(flatten)]
     pub grid: GridArguments,
-    /// Steps of bi-Laplacian smoothing, contours fixed
-    #[arg(long, value_name = "STEPS", default_value_t = 4,
-          value_parser = clap::value_parser!(u32).range(..=1000))]
-    pub smooth: u32,
-    /// How finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
+    /// With --method mvc: steps of bi-Laplacian smoothing, contours fixed [default: 4]
+    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(..=1000))]
+    pub smooth: Option<u32>,
+    /// With --method mvc: how finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
     #[arg(long, value_name = "H", value_parser = positive)]
     pub spacing: Option<f64>,
     #[command(flatten)]
     pub meshing: MeshingArguments,
-    /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it
-    #[arg(long = "box", value_name = "LABEL", value_enum, default_value_t = BorderName::Outside)]
-    pub border: BorderName,
+    /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it [default: outside]
+    #[arg(long = "box", value_name = "LABEL", value_enum)]
+    pub border: Option<BorderName>,
     /// With --box unknown: close surfaces where they leave the box; volumes are closed always
     #[arg(long)]
     pub caps: bool,
-    /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too
-    #[arg(long, value_enum, default_value_t = DeviceName::Auto)]
-    pub device: DeviceName,
+    /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too [default: auto]
+    #[arg(long, value_enum)]
+    pub device: Option<DeviceName>,
     /// Threads [default: as many as there are processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
@@ -322,8 +322,20 @@ pub struct CrosscheckArguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MethodName {
+    Variational,
     Mvc,
     Skeleton,
+}
+
+impl MethodName {
+    /// As it is given.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Variational => "variational",
+            Self::Mvc => "mvc",
+            Self::Skeleton => "skeleton",
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

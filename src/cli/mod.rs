@@ -6,6 +6,7 @@ mod compare;
 mod crosscheck;
 mod inspect;
 mod mask;
+mod method;
 mod reconstruct;
 mod slice;
 mod table;

@@ -3,8 +3,9 @@
 
 use std::path::Path;
 
-use super::args::{BorderName, MesherName, MethodName, ReconstructArguments};
+use super::args::ReconstructArguments;
 use super::bars::Watcher;
+use super::method::method;
 use super::targets::{Kind, Target};
 use super::{print_warnings, table, write_json};
 use crate::change::Change;
@@ -14,15 +15,16 @@ use crate::io::exact::write_exact;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
-use crate::label::{Label, Material};
+use crate::label::Material;
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
-use crate::model::{Derived, Fairing, Mesher, Method, Model, Options};
+use crate::method::Mesher;
+use crate::model::{Derived, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
 use crate::report::Report;
 use crate::section::Sections;
-use crate::skeleton::{self, Details};
+use crate::skeleton::Details;
 use crate::stage::Stages;
 
 /// Reconstructs and writes.
@@ -31,7 +33,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         arguments.output.iter().map(|path| Target::new(path)).collect::<Result<Vec<_>>>()?;
     let grids =
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
-    let options = options(arguments)?;
+    let resolution = arguments.grid.resolution();
+    let options = Options { method: method(arguments)?, resolution };
     let mut outputs = reserve(arguments, &targets)?;
     super::limit_threads(arguments.threads)?;
 
@@ -60,8 +63,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let open = derived.samples.open.filter(|_| !arguments.caps);
     let checked = stages.run("check", |_| {
         // Cheap for the delaunay mesher's fewer triangles, and promised.
-        let self_intersections =
-            matches!(model.options().mesher, Mesher::Delaunay(_)) || derived.exact.is_some();
+        let self_intersections = !matches!(model.options().method.mesher(), Some(Mesher::Dual));
         let options = check::Options { open, self_intersections };
         let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
         check(&model.sections().sections, mesh, lattice, options, watcher.progress())
@@ -103,46 +105,6 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         table::print(&report);
     }
     Ok(())
-}
-
-fn options(arguments: &ReconstructArguments) -> Result<Options> {
-    let border: Label = arguments.border.into();
-    if arguments.caps && border != Label::UNKNOWN {
-        return Err(Error::Option("--caps needs --box unknown".to_owned()));
-    }
-    Ok(Options {
-        method: method(arguments)?,
-        resolution: arguments.grid.resolution(),
-        smooth: arguments.smooth,
-        device: arguments.device.into(),
-        border,
-        spacing: arguments.spacing,
-        mesher: arguments.meshing.mesher()?,
-    })
-}
-
-fn method(arguments: &ReconstructArguments) -> Result<Method> {
-    let exact = arguments.exact.is_some();
-    if arguments.method == MethodName::Mvc {
-        return match exact || arguments.fair.is_some() {
-            true => Err(Error::Option("--exact and --fair need --method skeleton".to_owned())),
-            false => Ok(Method::MeanValue),
-        };
-    }
-    if exact && arguments.fair.is_some() {
-        let what = "--fair moves vertices away from their exact places: leave it or --exact out";
-        return Err(Error::Option(what.to_owned()));
-    }
-    if arguments.border != BorderName::Outside {
-        return Err(Error::Option("--method skeleton needs --box outside".to_owned()));
-    }
-    if arguments.meshing.mesher != MesherName::Dual {
-        let what = "--method skeleton makes its surface without a grid: leave --mesher out";
-        return Err(Error::Option(what.to_owned()));
-    }
-    let options = skeleton::Options { exact, ..skeleton::Options::default() };
-    let fairing = arguments.fair.map(|edge_length| Fairing { edge_length });
-    Ok(Method::Skeleton { options, fairing })
 }
 
 /// Exact coordinates are of an exact surface alone.

@@ -42,7 +42,8 @@ use crate::field::Device;
 use crate::grid::lattice::Resolution;
 use crate::label::Label;
 use crate::mesh::{Mesh, delaunay};
-use crate::model::{self, Derived, Mesher, Model};
+use crate::method::{MeanValue, Mesher, Method};
+use crate::model::{self, Derived, Model};
 use crate::progress::Progress;
 use crate::section::{Rules, Sections};
 use crate::stage::Stages;
@@ -55,9 +56,9 @@ pub struct Options {
     pub resolution: Resolution,
     /// Where the field is evaluated.
     pub device: Device,
-    /// What is on the box's faces, as in [`model::Options`].
+    /// What is on the box's faces, as in [`MeanValue`].
     pub border: Label,
-    /// As in [`model::Options`].
+    /// As in [`MeanValue`].
     pub spacing: Option<f64>,
     /// Random points at which both are asked.
     pub points: u32,
@@ -69,7 +70,8 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        let model::Options { resolution, device, border, spacing, .. } = model::Options::default();
+        let MeanValue { device, border, spacing, .. } = MeanValue::default();
+        let resolution = model::Options::default().resolution;
         let delaunay = Some(delaunay::Options::default());
         Self { resolution, device, border, spacing, points: 100_000, seed: 0, delaunay }
     }
@@ -146,9 +148,8 @@ pub fn crosscheck(
 /// The field as it is: not smoothed, and meshed by dual contouring.
 fn model_options(options: &Options) -> model::Options {
     let Options { resolution, device, border, spacing, .. } = *options;
-    let mesher = Mesher::Dual;
-    let own = model::Options::default();
-    model::Options { resolution, device, border, spacing, smooth: 0, mesher, ..own }
+    let method = MeanValue { smooth: 0, border, device, spacing, mesher: Mesher::Dual };
+    model::Options { method: Method::MeanValue(method), resolution }
 }
 
 fn derived(model: &Model) -> Result<&Derived> {

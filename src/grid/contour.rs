@@ -24,14 +24,15 @@ pub fn segments(section: &Section) -> impl Iterator<Item = [DVec3; 2]> + '_ {
         .map(|edge| [section.point(edge.start), section.point(edge.end)])
 }
 
-/// Every voxel of the lattice that a contour passes through, named by its
+/// Every voxel of the lattice that a segment passes through, named by its
 /// first node, sorted; now and then also a neighbour that it barely misses.
-pub fn pierced_voxels(sections: &[Section], lattice: &Lattice) -> Vec<[i32; 3]> {
-    let mut voxels: Vec<[i32; 3]> = sections
-        .par_iter()
-        .flat_map_iter(|section| {
+pub fn pierced_voxels(segments: &[[DVec3; 2]], lattice: &Lattice) -> Vec<[i32; 3]> {
+    const CHUNK: usize = 256;
+    let mut voxels: Vec<[i32; 3]> = segments
+        .par_chunks(CHUNK)
+        .flat_map_iter(|segments| {
             let mut voxels = Vec::new();
-            for segment in segments(section) {
+            for &segment in segments {
                 rasterize(segment, lattice, &mut voxels);
             }
             voxels

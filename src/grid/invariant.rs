@@ -2,20 +2,20 @@
 
 use crate::label::Label;
 
-use super::samples::{LEAF_NODES, LEAF_SIDE, Leaf, Samples};
+use super::samples::{LEAF_NODES, LEAF_SIDE, Leaf, Samples, Values};
 
 /// The node of a leaf with these offsets.
-pub(super) fn node_index([x, y, z]: [usize; 3]) -> usize {
+pub fn node_index([x, y, z]: [usize; 3]) -> usize {
     (x * LEAF_SIDE + y) * LEAF_SIDE + z
 }
 
 /// The offsets of a leaf's node: the inverse of [`node_index`].
-pub(super) fn node_offset(node: usize) -> [usize; 3] {
+pub fn node_offset(node: usize) -> [usize; 3] {
     [node / (LEAF_SIDE * LEAF_SIDE), node / LEAF_SIDE % LEAF_SIDE, node % LEAF_SIDE]
 }
 
 /// The leaf next to `at` along an axis, forward or backward.
-pub(super) fn neighbor(at: [i32; 3], axis: usize, forward: bool) -> [i32; 3] {
+pub fn neighbor(at: [i32; 3], axis: usize, forward: bool) -> [i32; 3] {
     let mut next = at;
     next[axis] += if forward { 1 } else { -1 };
     next
@@ -23,7 +23,7 @@ pub(super) fn neighbor(at: [i32; 3], axis: usize, forward: bool) -> [i32; 3] {
 
 /// Whether a label other than `tile` occurs in the `depth` layers of nodes
 /// that lie at a leaf's face.
-pub(super) fn differs_near_face(
+pub fn differs_near_face(
     labels: &[Label],
     axis: usize,
     forward: bool,
@@ -59,11 +59,15 @@ fn check_leaf(samples: &Samples, leaf: &Leaf) -> Result<(), String> {
     }
     for material in &leaf.materials {
         let label = material.label;
-        if !label.is_material() || material.values.len() != LEAF_NODES {
+        if label == Label::UNKNOWN || material.values.len() != LEAF_NODES {
             return Err(format!("leaf {at:?}: label {label}, {} values", material.values.len()));
         }
-        if material.values.iter().any(|value| !(-1.0..=1.0).contains(value)) {
-            return Err(format!("leaf {at:?}: label {label} has values outside [-1, 1]"));
+        let may_be = |value: &f32| match samples.values {
+            Values::Indicators => (-1.0..=1.0).contains(value),
+            Values::Distances => value.is_finite(),
+        };
+        if !material.values.iter().all(may_be) {
+            return Err(format!("leaf {at:?}: label {label} has values that it cannot have"));
         }
     }
     if !leaf.materials.is_sorted_by(|a, b| a.label < b.label) {
@@ -123,6 +127,6 @@ fn tile(samples: &Samples, at: [i32; 3]) -> Label {
 }
 
 /// The six faces of a leaf: axis, and whether forward along it.
-pub(super) fn faces() -> impl Iterator<Item = (usize, bool)> {
+pub fn faces() -> impl Iterator<Item = (usize, bool)> {
     (0..3).flat_map(|axis| [(axis, false), (axis, true)])
 }

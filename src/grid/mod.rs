@@ -8,9 +8,10 @@
 pub mod contour;
 pub mod distance;
 pub mod evidence;
-mod invariant;
+pub(crate) mod invariant;
 pub mod labels;
 pub mod lattice;
+pub mod leaf_grid;
 mod locate;
 pub mod memory;
 pub mod samples;

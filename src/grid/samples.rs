@@ -46,10 +46,41 @@ impl Lattice {
     }
 }
 
-/// One material's indicator in one leaf, in [−1, 1].
+/// What samples are values of.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Values {
+    /// The indicators of all labels, in [−1, 1]: next to a section s/√(s² + γ²), s
+    /// being the distance to the contour and γ that to the section.
+    #[default]
+    Indicators,
+    /// Functions that near the surface are about the distance to it, in voxels,
+    /// positive inside.
+    Distances,
+}
+
+impl Values {
+    /// The lead of one label over another as something that is linear along an edge
+    /// of the lattice; for indicators d/√(1 − d²) is.
+    pub fn straightened(self, lead: f64) -> f64 {
+        match self {
+            Self::Indicators => lead / (1.0 - lead * lead).max(1e-6).sqrt(),
+            Self::Distances => lead,
+        }
+    }
+
+    /// A value as an indicator.
+    pub fn indicator(self, value: f32) -> f32 {
+        match self {
+            Self::Indicators => value,
+            Self::Distances => value / (1.0 + value * value).sqrt(),
+        }
+    }
+}
+
+/// One label's values in one leaf.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeafValues {
-    /// The material.
+    /// The label: a material, or *outside* where it has values of its own.
     pub label: Label,
     /// [`LEAF_NODES`] values; node (x, y, z) of the leaf is at
     /// `x * 64 + y * 8 + z`, as in OpenVDB.
@@ -61,21 +92,30 @@ pub struct LeafValues {
 pub struct Leaf {
     /// Its first node, divided by [`LEAF_SIDE`].
     pub at: [i32; 3],
-    /// The materials whose indicator is not −1 all over the leaf, by label.
-    /// *Outside* is implied: the indicators f of all labels with (f + 1) / 2
-    /// summed up make 1.
+    /// The labels that are near, sorted. Where *outside* is not among them it is
+    /// implied: (f + 1) / 2 summed up over all labels makes 1, so beside a single
+    /// material it is −f.
     pub materials: Vec<LeafValues>,
 }
 
 impl Leaf {
-    /// How much of a node is this label, in [0, 1]: (f + 1) / 2 for a
-    /// material, and for *outside* what the materials leave of 1.
+    /// How much of a node is this label: (f + 1) / 2, which for indicators is a
+    /// share in [0, 1]. A label that is not near has none.
     pub fn share(&self, node: usize, label: Label) -> f64 {
-        let share = |material: &LeafValues| (f64::from(material.values[node]) + 1.0) / 2.0;
-        if label == Label::OUTSIDE {
-            return 1.0 - self.materials.iter().map(share).sum::<f64>();
+        let own = self.materials.iter().find(|material| material.label == label);
+        match own {
+            Some(own) => share(own, node),
+            None if label == Label::OUTSIDE => {
+                1.0 - self.materials.iter().map(|material| share(material, node)).sum::<f64>()
+            }
+            None => 0.0,
         }
-        self.materials.iter().find(|material| material.label == label).map_or(0.0, share)
+    }
+
+    /// The labels other than *outside* that are near, each with its values.
+    fn own_materials(&self) -> &[LeafValues] {
+        let own = self.materials.first().is_some_and(|first| first.label == Label::OUTSIDE);
+        &self.materials[usize::from(own)..]
     }
 
     /// One of its nodes in the lattice.
@@ -85,16 +125,15 @@ impl Leaf {
     }
 
     /// How far every node's label leads over the second best: the difference of
-    /// their indicators, from 0 to 2.
+    /// their values, for indicators from 0 to 2.
     pub fn margins(&self) -> Vec<f32> {
         let margin = |node: usize| {
             let outside = self.share(node, Label::OUTSIDE);
-            let materials = self.materials.iter();
-            let shares = materials.map(|own| (f64::from(own.values[node]) + 1.0) / 2.0);
-            let [best, second] = shares.fold([outside, 0.0], |[best, second], share| {
+            let shares = self.own_materials().iter().map(|own| share(own, node));
+            let [best, second] = shares.fold([outside, 0.0], |[best, second], share: f64| {
                 [best.max(share), second.max(best.min(share))]
             });
-            (2.0 * (best - second)).clamp(0.0, 2.0) as f32
+            (2.0 * (best - second)).max(0.0) as f32
         };
         (0..LEAF_NODES).map(margin).collect()
     }
@@ -105,13 +144,16 @@ impl Leaf {
         (0..LEAF_NODES)
             .map(|node| {
                 let outside = (Label::OUTSIDE, self.share(node, Label::OUTSIDE));
-                let materials = self.materials.iter().map(|material| {
-                    (material.label, (f64::from(material.values[node]) + 1.0) / 2.0)
-                });
+                let materials = self.own_materials().iter();
+                let materials = materials.map(|material| (material.label, share(material, node)));
                 materials.fold(outside, |best, next| if next.1 > best.1 { next } else { best }).0
             })
             .collect()
     }
+}
+
+fn share(own: &LeafValues, node: usize) -> f64 {
+    (f64::from(own.values[node]) + 1.0) / 2.0
 }
 
 /// Leaves near the surface, and one label for each of the others.
@@ -134,6 +176,8 @@ pub struct Samples {
     /// lies beyond the box is outside all the same, and meshers end the
     /// surface on its faces.
     pub open: Option<Bounds>,
+    /// What the leaves hold.
+    pub values: Values,
 }
 
 impl Samples {

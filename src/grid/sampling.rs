@@ -10,10 +10,10 @@ use crate::label::Label;
 use crate::progress::Progress;
 use crate::section::Section;
 
-use super::contour::{corners, pierced_voxels};
+use super::contour::{corners, pierced_voxels, segments};
 use super::invariant::{differs_near_face, faces, neighbor, node_offset};
 use super::locate::{Cells, leaf_cells, node_cell, place};
-use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples};
+use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples, Values};
 
 mod batch;
 
@@ -45,13 +45,30 @@ pub struct Sampling {
     pub points: u64,
 }
 
-/// Where the surface is known to pass.
-#[derive(Debug, Clone, Copy)]
-pub struct Starts<'a> {
-    /// Along their contours.
-    pub sections: &'a [Section],
-    /// Across the unknown regions on which labels change.
-    pub completion: &'a Completion,
+/// Leaves that the surface is known to pass.
+#[derive(Debug, Clone, Default)]
+pub struct Starts(Vec<[i32; 3]>);
+
+impl Starts {
+    /// Along the contours of sections, and across the unknown regions on which
+    /// labels change.
+    pub fn new(sections: &[Section], completion: &Completion, lattice: &Lattice) -> Self {
+        let edges: Vec<[DVec3; 2]> = sections.iter().flat_map(segments).collect();
+        let mut starts = Self::along(&edges, lattice);
+        let changes = completion.changes();
+        starts.0.extend(changes.flat_map(|corners| leaves_around(corners, lattice)));
+        starts
+    }
+
+    /// The leaves of all nodes of the voxels that segments pass.
+    pub fn along(segments: &[[DVec3; 2]], lattice: &Lattice) -> Self {
+        let leaf = |node: [i32; 3]| node.map(|index| index / SIDE);
+        let voxels = pierced_voxels(segments, lattice);
+        let mut leaves: Vec<[i32; 3]> = voxels.into_iter().flat_map(corners).map(leaf).collect();
+        leaves.sort_unstable();
+        leaves.dedup();
+        Self(leaves)
+    }
 }
 
 /// Samples the field wherever its labels change on the lattice, as far as the
@@ -68,9 +85,7 @@ pub fn sample(
     progress: &dyn Progress,
 ) -> Result<Sampling> {
     let sampler = Sampler { cells, field, lattice: *lattice, margin, progress };
-    let mut leaves = contour_leaves(starts.sections, lattice);
-    leaves.extend(starts.completion.changes().flat_map(|corners| leaves_around(corners, lattice)));
-    sampler.run(leaves)
+    sampler.run(starts.0.clone())
 }
 
 /// The leaves in the box around a triangle.
@@ -91,16 +106,6 @@ fn leaves_around(corners: [DVec3; 3], lattice: &Lattice) -> Vec<[i32; 3]> {
             leaves.extend(range(2).map(|z| [x, y, z]));
         }
     }
-    leaves
-}
-
-/// The leaves of all nodes of the voxels that contours pass, sorted.
-fn contour_leaves(sections: &[Section], lattice: &Lattice) -> Vec<[i32; 3]> {
-    let leaf = |node: [i32; 3]| node.map(|index| index / SIDE);
-    let voxels = pierced_voxels(sections, lattice);
-    let mut leaves: Vec<[i32; 3]> = voxels.into_iter().flat_map(corners).map(leaf).collect();
-    leaves.sort_unstable();
-    leaves.dedup();
     leaves
 }
 
@@ -140,7 +145,8 @@ impl Sampler<'_> {
         state.leaves.par_sort_unstable_by_key(|leaf| leaf.at);
         let State { leaves, tiles, .. } = state;
         let open = self.cells.is_open().then(|| self.cells.bounds());
-        let samples = Samples { lattice: self.lattice, leaves, tiles, open };
+        let samples =
+            Samples { lattice: self.lattice, leaves, tiles, open, values: Values::Indicators };
         Ok(Sampling { samples, points: state.points })
     }
 

@@ -4,6 +4,7 @@
 //! the contours fixed, take them away.
 
 use cxx::UniquePtr;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -12,10 +13,10 @@ use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::Section;
 
-use super::contour::{corners, pierced_voxels};
+use super::contour::{corners, pierced_voxels, segments};
 use super::invariant::{differs_near_face, faces, neighbor, node_index, node_offset};
 use super::locate::is_inside;
-use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples};
+use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples, Values};
 use super::sampling::Margin;
 
 /// The largest eigenvalue of Δ² on a lattice with six neighbours is 12²; a
@@ -52,7 +53,7 @@ impl Grid {
         let closed = samples.open.is_none().then_some(bounds);
         let fixed = fixed_nodes(&samples.lattice, &region, sections, closed);
         let mut trees = ffi::new_grid(&flat(&region), &fixed).map_err(library)?;
-        let Samples { lattice, leaves, tiles, open } = samples;
+        let Samples { lattice, leaves, tiles, open, .. } = samples;
         for &label in &materials {
             let own = leaves.iter().filter_map(|leaf| {
                 let values = leaf.materials.iter().find(|own| own.label == label)?;
@@ -93,7 +94,7 @@ impl Grid {
             }
         }
         let Self { lattice, tiles, open, .. } = self;
-        let mut samples = Samples { lattice, leaves, tiles, open };
+        let mut samples = Samples { lattice, leaves, tiles, open, values: Values::Indicators };
         close(&mut samples);
         Ok(samples)
     }
@@ -169,7 +170,8 @@ fn fixed_nodes(
             words[node / 64] |= u64::from(closed.is_some_and(outside)) << (node % 64);
         }
     });
-    for node in pierced_voxels(sections, lattice).into_iter().flat_map(corners) {
+    let edges: Vec<[DVec3; 2]> = sections.iter().flat_map(segments).collect();
+    for node in pierced_voxels(&edges, lattice).into_iter().flat_map(corners) {
         if let Ok(leaf) = region.binary_search(&node.map(|index| index / side)) {
             let bit = node_index(node.map(|index| (index % side) as usize));
             fixed[leaf * LEAF_NODES / 64 + bit / 64] |= 1 << (bit % 64);

@@ -165,7 +165,12 @@ impl<'a> Builder<'a> {
                 })
             }
             // Away from the surface one label has everything.
-            Grid::Margin => self.add_near_surface(&name, 2.0, Leaf::margins),
+            Grid::Margin => {
+                let values = self.contents.samples.values;
+                let margin = |margin: f32| 2.0 * values.indicator(margin / 2.0);
+                let margins = |leaf: &Leaf| leaf.margins().into_iter().map(margin).collect();
+                self.add_near_surface(&name, 2.0, margins)
+            }
         }?;
         self.describe(grid)
     }
@@ -273,7 +278,7 @@ fn add_indicator(
 ) -> Result<()> {
     let leaf = |leaf: &Leaf| {
         let own = leaf.materials.iter().find(|own| own.label == label);
-        own.map(|own| own.values.clone())
+        own.map(|own| own.values.iter().map(|&value| samples.values.indicator(value)).collect())
     };
     let tile = |tile: Label| (tile == label).then_some(1.0);
     let Sparse { leaves, values, tiles, tile_values } = Sparse::new(samples, leaf, tile);

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{Mesh, dual};
 use crate::grid::lattice::Resolution;
-use crate::grid::samples::{LEAF_NODES, Lattice, Leaf, LeafValues, Samples};
+use crate::grid::samples::{LEAF_NODES, Lattice, Leaf, LeafValues, Samples, Values};
 use crate::label::Label;
 use crate::plane::Bounds;
 use crate::progress::Silent;
@@ -46,7 +46,8 @@ fn all_leaves(
         leaf
     };
     let leaves = (0..count).map(leaf).collect();
-    Samples { lattice, leaves, tiles: vec![Label::OUTSIDE; count], open }
+    let (tiles, values) = (vec![Label::OUTSIDE; count], Values::Indicators);
+    Samples { lattice, leaves, tiles, open, values }
 }
 
 /// The mesh of one solid, from a signed distance that is positive inside, on

@@ -5,14 +5,13 @@ use rayon::prelude::*;
 
 use super::Oracle;
 use crate::error::Result;
-use crate::field::{Completion, Field, Queries};
+use crate::field::{Field, Queries};
 use crate::grid::Cells;
 use crate::grid::samples::{Lattice, Samples};
 use crate::grid::sampling::{Margin, Starts, sample};
 use crate::label::Label;
 use crate::plane::Bounds;
 use crate::progress::Progress;
-use crate::section::Section;
 
 /// How near to a plane a label is told from others, in voxels: on the plane its
 /// distance is 0 and its share a step, in which an interpolated crossing would
@@ -52,25 +51,13 @@ impl Oracle<'_> {
         lattice: &Lattice,
         progress: &dyn Progress,
     ) -> Result<Samples> {
-        let sections: Vec<Section> = self.sites.iter().map(|site| outlined(site.section)).collect();
-        let starts = Starts { sections: &sections, completion: &Completion::default() };
+        // Along all edges, so that the surface is also found around a part of one
+        // label in the middle of what is unknown.
+        let edges: Vec<[DVec3; 2]> =
+            self.sites.iter().flat_map(|site| site.section.segments()).collect();
+        let starts = Starts::along(&edges, lattice);
         Ok(sample(self, field, &starts, lattice, Margin(1), progress)?.samples)
     }
-}
-
-/// The section with all its edges as contours, so that the surface is also found
-/// around a part of one label in the middle of what is unknown.
-fn outlined(section: &Section) -> Section {
-    const BEYOND: Label = Label(Label::UNKNOWN.0 - 1);
-    let mut outlined = section.clone();
-    for edge in &mut outlined.edges {
-        for label in [&mut edge.left, &mut edge.right] {
-            if *label == Label::UNKNOWN {
-                *label = BEYOND;
-            }
-        }
-    }
-    outlined
 }
 
 /// The box is one cell: where other planes are plays no role.

@@ -105,6 +105,11 @@ impl Section {
         self.plane.lift(self.vertices[vertex as usize])
     }
 
+    /// The edges in space, rounded.
+    pub fn segments(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
+        self.edges.iter().map(|edge| [self.point(edge.start), self.point(edge.end)])
+    }
+
     /// All labels that occur, sorted.
     pub fn labels(&self) -> Vec<Label> {
         let mut labels: Vec<Label> =

@@ -16,7 +16,8 @@ fn spike(leaves: i32, node: [usize; 3]) -> Samples {
     values[node_index(node)] = 1.0;
     let row = (0..leaves).map(|x| Leaf { at: [x, 0, 0], materials: Vec::new() });
     let tiles = vec![Label::OUTSIDE; leaves as usize];
-    let mut samples = Samples { lattice, leaves: row.collect(), tiles, open: None };
+    let mut samples =
+        Samples { lattice, leaves: row.collect(), tiles, open: None, values: Values::default() };
     samples.leaves[0].materials.push(LeafValues { label: LABEL, values });
     samples
 }
@@ -123,7 +124,13 @@ fn rippled(inner: Label, outer: Label) -> Samples {
         Leaf { at, materials: materials.map(own).collect() }
     };
     let tiles = vec![Label::OUTSIDE; 125];
-    Samples { lattice, leaves: (0..125).map(leaf).collect(), tiles, open: None }
+    Samples {
+        lattice,
+        leaves: (0..125).map(leaf).collect(),
+        tiles,
+        open: None,
+        values: Values::default(),
+    }
 }
 
 /// How much neighbouring nodes differ, squared and summed up.

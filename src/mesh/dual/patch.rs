@@ -1,7 +1,7 @@
 //! The nodes that the cells of one leaf touch: the leaf and the first layer
 //! of the leaves after it.
 
-use crate::grid::samples::{LEAF_SIDE, Lattice, Leaf, Samples};
+use crate::grid::samples::{LEAF_SIDE, Lattice, Leaf, Samples, Values};
 use crate::label::Label;
 
 /// Nodes of a patch along each axis.
@@ -91,6 +91,7 @@ enum Source<'a> {
 /// The 9 × 9 × 9 nodes from a leaf's first on.
 pub struct Patch<'a> {
     lattice: &'a Lattice,
+    values: Values,
     open: bool,
     at: [i32; 3],
     sources: [Source<'a>; 8],
@@ -111,7 +112,8 @@ impl<'a> Patch<'a> {
         }
         let (lattice, open) = (&leaves.samples.lattice, leaves.samples.open.is_some());
         let labels = vec![Label::OUTSIDE; SIDE * SIDE * SIDE];
-        let mut patch = Self { lattice, open, at, sources, labels };
+        let values = leaves.samples.values;
+        let mut patch = Self { lattice, values, open, at, sources, labels };
         for x in 0..SIDE {
             for y in 0..SIDE {
                 for z in 0..SIDE {
@@ -175,9 +177,8 @@ impl<'a> Patch<'a> {
         /// Keeps points off the nodes, where triangles would degenerate.
         const MARGIN: f64 = 0.01;
         let (one, other) = (self.label(low), self.label(high));
-        let straight = |lead: f64| lead / (1.0 - lead * lead).max(1e-6).sqrt();
-        let before = straight(self.lead(low, one, other)).max(0.0);
-        let after = straight(self.lead(high, other, one)).max(0.0);
+        let before = self.values.straightened(self.lead(low, one, other)).max(0.0);
+        let after = self.values.straightened(self.lead(high, other, one)).max(0.0);
         let fraction = if before + after > 0.0 { before / (before + after) } else { 0.5 };
         fraction.clamp(MARGIN, 1.0 - MARGIN)
     }

@@ -1,0 +1,80 @@
+//! The method of a reconstruction, from arguments: what it does not use is refused
+//! by name.
+
+use super::args::{BorderName, DeviceName, MesherName, MethodName, ReconstructArguments};
+use crate::error::{Error, Result};
+use crate::label::Label;
+use crate::method::{Fairing, MeanValue, Method, Skeleton, Variational};
+use crate::skeleton;
+
+/// The method that arguments ask for.
+pub fn method(arguments: &ReconstructArguments) -> Result<Method> {
+    refuse_unused(arguments)?;
+    Ok(match arguments.method {
+        MethodName::Variational => Method::Variational(Variational {
+            border: border(arguments),
+            device: device(arguments),
+            mesher: arguments.meshing.mesher()?,
+            ..Variational::default()
+        }),
+        MethodName::Mvc => Method::MeanValue(MeanValue {
+            smooth: arguments.smooth.unwrap_or(MeanValue::default().smooth),
+            border: border(arguments),
+            device: device(arguments),
+            spacing: arguments.spacing,
+            mesher: arguments.meshing.mesher()?,
+        }),
+        MethodName::Skeleton => {
+            let exact = arguments.exact.is_some();
+            Method::Skeleton(Skeleton {
+                exactness: skeleton::Options { exact, ..skeleton::Options::default() },
+                fairing: arguments.fair.map(|edge_length| Fairing { edge_length }),
+            })
+        }
+    })
+}
+
+fn border(arguments: &ReconstructArguments) -> Label {
+    arguments.border.unwrap_or(BorderName::Outside).into()
+}
+
+fn device(arguments: &ReconstructArguments) -> crate::field::Device {
+    arguments.device.unwrap_or(DeviceName::Auto).into()
+}
+
+/// Which options there are for some methods alone, whether they are given, and the
+/// methods they are for.
+fn refuse_unused(arguments: &ReconstructArguments) -> Result<()> {
+    use MethodName::{Mvc, Skeleton, Variational};
+    let of_grid: &[MethodName] = &[Variational, Mvc];
+    let open = arguments.border.is_some_and(|border| border != BorderName::Outside);
+    let mesher = arguments.meshing.mesher != MesherName::Dual;
+    let options = [
+        ("--smooth", arguments.smooth.is_some(), &[Mvc][..]),
+        ("--spacing", arguments.spacing.is_some(), &[Mvc]),
+        ("--fair", arguments.fair.is_some(), &[Skeleton]),
+        ("--exact", arguments.exact.is_some(), &[Skeleton]),
+        ("--device", arguments.device.is_some(), of_grid),
+        ("--box unknown", open, of_grid),
+        ("--mesher delaunay", mesher, of_grid),
+    ];
+    for (option, is_given, methods) in options {
+        if is_given && !methods.contains(&arguments.method) {
+            let names: Vec<&str> = methods.iter().map(|method| method.name()).collect();
+            return Err(Error::Option(format!(
+                "{option} is an option of --method {}, and means nothing to {}: leave it out, or \
+                 choose another method",
+                names.join(" and "),
+                arguments.method.name()
+            )));
+        }
+    }
+    if arguments.exact.is_some() && arguments.fair.is_some() {
+        let what = "--fair moves vertices away from their exact places: leave it or --exact out";
+        return Err(Error::Option(what.to_owned()));
+    }
+    if arguments.caps && !open {
+        return Err(Error::Option("--caps needs --box unknown".to_owned()));
+    }
+    Ok(())
+}

@@ -1,0 +1,121 @@
+//! The ways to fill space between sections, each with its own options: what a
+//! method does not use cannot be given to it.
+//!
+//! They stand on three seams. A *kernel* is evaluated in the cells of the
+//! arrangement by a backend ([`MeanValue`]); a *solver* fills the leaves of a grid
+//! ([`Variational`]); and a *surface* is made directly ([`Skeleton`]). The first two
+//! make samples, which a mesher turns into a surface.
+
+use crate::field::Device;
+use crate::label::Label;
+use crate::mesh::delaunay;
+use crate::skeleton;
+use crate::variational::Weights;
+
+/// How space between the sections is filled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// By the smoothest field through the contours.
+    Variational(Variational),
+    /// By the mean-value indicator (Bermano et al. 2011).
+    MeanValue(MeanValue),
+    /// By the nearest section, exactly (Barequet and Vaxman 2009).
+    Skeleton(Skeleton),
+}
+
+/// The smoothest field through the contours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Variational {
+    /// What counts how much.
+    pub weights: Weights,
+    /// What is on the box's faces: [`Label::OUTSIDE`] closes every surface in
+    /// the box, [`Label::UNKNOWN`] lets materials leave it.
+    pub border: Label,
+    /// Where it is solved.
+    pub device: Device,
+    /// How the surface is made from the samples.
+    pub mesher: Mesher,
+}
+
+/// The mean-value indicator.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeanValue {
+    /// Steps of bi-Laplacian smoothing (Bermano §4.6).
+    pub smooth: u32,
+    /// As in [`Variational`].
+    pub border: Label,
+    /// Where the field is evaluated.
+    pub device: Device,
+    /// How finely unknown regions are triangulated to be completed: the length
+    /// of an edge in world units, a 16th of the box's longest side when none
+    /// is given.
+    pub spacing: Option<f64>,
+    /// How the surface is made from the samples.
+    pub mesher: Mesher,
+}
+
+/// The nearest section. The box's faces are outside.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Skeleton {
+    /// How that is done.
+    pub exactness: skeleton::Options,
+    /// Whether the surface is made fair afterwards.
+    pub fairing: Option<Fairing>,
+}
+
+/// How an exact surface is made fair.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Fairing {
+    /// How long edges are to be, in world units; a voxel when it is not given.
+    pub edge_length: Option<f64>,
+}
+
+/// How the surface is made from samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Mesher {
+    /// Dual contouring.
+    #[default]
+    Dual,
+    /// Delaunay refinement.
+    Delaunay(delaunay::Options),
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::Variational(Variational::default())
+    }
+}
+
+impl Default for Variational {
+    fn default() -> Self {
+        let (weights, mesher) = (Weights::default(), Mesher::Dual);
+        Self { weights, border: Label::OUTSIDE, device: Device::Auto, mesher }
+    }
+}
+
+impl Default for MeanValue {
+    fn default() -> Self {
+        let (border, device, mesher) = (Label::OUTSIDE, Device::Auto, Mesher::Dual);
+        Self { smooth: 4, border, device, spacing: None, mesher }
+    }
+}
+
+impl Method {
+    /// What is on the box's faces.
+    pub fn border(&self) -> Label {
+        match self {
+            Self::Variational(own) => own.border,
+            Self::MeanValue(own) => own.border,
+            Self::Skeleton(_) => Label::OUTSIDE,
+        }
+    }
+
+    /// How its surface is made from samples, if it is.
+    pub fn mesher(&self) -> Option<Mesher> {
+        match self {
+            Self::Variational(own) => Some(own.mesher),
+            Self::MeanValue(own) => Some(own.mesher),
+            Self::Skeleton(_) => None,
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! What solves a system.
+
+use crate::error::Result;
+
+use super::system::System;
+
+/// When conjugate gradients end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// After so many iterations.
+    pub iterations: u32,
+    /// When the residual, in the norm of the preconditioner, has become so many
+    /// times smaller.
+    pub tolerance: f64,
+}
+
+/// What is to be added to the values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Correction {
+    /// For each leaf of the system a value for each node.
+    pub values: Vec<f32>,
+    /// How many iterations it took.
+    pub iterations: u32,
+}
+
+/// What every backend does, in f32. The vectors have 512 values for each leaf of
+/// the system, those of nodes that are not free are 0.
+pub trait Backend: Send + Sync {
+    /// What it runs on, for people to read.
+    fn name(&self) -> String;
+
+    /// A x.
+    ///
+    /// # Errors
+    /// When the device fails.
+    fn apply(&self, system: &System, values: &[f32]) -> Result<Vec<f32>>;
+
+    /// Solves A x = `residual` by conjugate gradients from x = 0, the diagonal of A
+    /// as the preconditioner.
+    ///
+    /// # Errors
+    /// When the device fails.
+    fn correct(&self, system: &System, residual: Vec<f32>, limits: Limits) -> Result<Correction>;
+}

@@ -1,0 +1,380 @@
+//! The field of one label, from the coarsest level to the finest.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::grid::invariant::node_offset;
+use crate::grid::leaf_grid::{LeafSet, around, leaf_of};
+use crate::grid::samples::{LEAF_NODES, Lattice};
+use crate::label::Label;
+use crate::plane::Bounds;
+use crate::section::Section;
+
+use super::backend::{Backend, Limits};
+use super::cpu::residual;
+use super::level::{Level, ensure, near_changes, near_points};
+use super::outline::Outline;
+use super::plane_samples::{PlaneSample, plane_samples};
+use super::segments::{Hint, SegmentTree};
+use super::system::{Pull, SIDE, System};
+use super::{Effort, Weights};
+
+/// What a sample on a contour counts, and one that is on the wrong side.
+const FIRM: f32 = 10.0;
+/// How far on its side a sample is wanted to be, in voxels.
+const MARGIN: f64 = 0.5;
+/// Contour samples are so far apart, in voxels.
+const CONTOUR_SPACING: f64 = 0.5;
+/// Unknowns reach so many nodes beyond changes of sign and contours.
+const BAND: i32 = 2;
+/// Times that the samples on the wrong side are looked for.
+const PASSES: u32 = 3;
+/// Where all of the box is solved for.
+const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3 };
+/// In the band.
+const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-4 };
+
+/// What all labels' fields are made from.
+pub struct Scene<'a> {
+    pub sections: &'a [Section],
+    pub bounds: Bounds,
+    pub is_open: bool,
+    /// From the coarsest to the finest.
+    pub lattices: &'a [Lattice],
+    /// So many of them are solved on the whole box, at least one.
+    pub whole: usize,
+    /// What the sections say on each of these.
+    pub samples: Vec<Vec<PlaneSample>>,
+    /// The voxels for which the soft values' weight is given, in world units.
+    pub unit: f64,
+    pub weights: &'a Weights,
+    pub backend: &'a dyn Backend,
+}
+
+/// The field of a label on all levels.
+pub struct LabelField {
+    /// The label.
+    pub label: Label,
+    /// From the coarsest to the finest.
+    pub levels: Vec<Level>,
+    /// The leaves of the finest level that were solved for, sorted.
+    pub band: Vec<[i32; 3]>,
+    /// What it took.
+    pub effort: Effort,
+}
+
+/// A field in the making.
+struct Solver<'a> {
+    scene: &'a Scene<'a>,
+    label: Label,
+    outline: Outline,
+    levels: Vec<Level>,
+    /// Points of the surface of the last whole level, for soft values.
+    surface: Option<SegmentTree>,
+    effort: Effort,
+}
+
+impl LabelField {
+    /// Solves for a label.
+    ///
+    /// # Errors
+    /// When the backend fails.
+    pub fn new(scene: &Scene, label: Label) -> Result<Self> {
+        let outline = Outline::new(scene.sections, label);
+        let (levels, effort) = (Vec::new(), Effort::default());
+        let mut solver = Solver { scene, label, outline, levels, surface: None, effort };
+        let mut band = Vec::new();
+        for whole in 0..scene.whole {
+            band = solver.add_whole_level(whole)?;
+        }
+        for _ in 0..scene.weights.retargets {
+            solver.retarget();
+            let last = scene.whole - 1;
+            solver.solve_whole(last)?;
+        }
+        for number in scene.whole..scene.lattices.len() {
+            band = solver.add_narrow_level(number)?;
+        }
+        let Solver { levels, effort, .. } = solver;
+        Ok(Self { label, levels, band, effort })
+    }
+
+    /// Gives values to leaves of the finest level.
+    pub fn ensure(&mut self, scene: &Scene, leaves: impl IntoIterator<Item = [i32; 3]>) {
+        // The values beyond the box play no role for who reads labels.
+        let _ = scene;
+        ensure(&mut self.levels, leaves, &|_: &Level, _, _: &mut [f32; LEAF_NODES]| ());
+    }
+
+    /// The value of a node of the finest level, roughly where no leaf is near.
+    pub fn rough(&self, node: [i32; 3]) -> f32 {
+        let Some(finest) = self.levels.last() else { return 0.0 };
+        let at = finest.lattice.position(node);
+        for level in self.levels.iter().rev() {
+            let place = ((at - level.lattice.origin) / level.lattice.voxel).round();
+            if let Some(value) = level.grid.value(place.to_array().map(|along| along as i32)) {
+                return value * (level.lattice.voxel / finest.lattice.voxel) as f32;
+            }
+        }
+        0.0
+    }
+}
+
+impl Solver<'_> {
+    /// The next coarse level, on all of the box.
+    fn add_whole_level(&mut self, number: usize) -> Result<Vec<[i32; 3]>> {
+        let level = Level::new(self.scene.lattices[number], self.scene.is_open);
+        let all: Vec<[i32; 3]> = level.grid.all_places().collect();
+        self.levels.push(level);
+        self.ensure(all.iter().copied());
+        self.solve_whole(number)?;
+        Ok(all)
+    }
+
+    fn solve_whole(&mut self, number: usize) -> Result<()> {
+        let all: Vec<[i32; 3]> = self.levels[number].grid.all_places().collect();
+        let targets = self.soft_targets(number, &self.scene.samples[number]);
+        for _ in 0..PASSES {
+            let pulls = self.pulls(number, &self.scene.samples[number], Some(&targets));
+            self.solve(number, all.clone(), &pulls, WHOLE)?;
+        }
+        Ok(())
+    }
+
+    /// The next level, near the surface and the contours alone.
+    fn add_narrow_level(&mut self, number: usize) -> Result<Vec<[i32; 3]>> {
+        let lattice = self.scene.lattices[number];
+        let level = Level::new(lattice, self.scene.is_open);
+        let contours = near_points(&self.contour_places(&level), BAND);
+        let refined = self.refined(number, &lattice);
+        self.levels.push(level);
+        self.ensure(contours.iter().copied().chain(refined));
+        let passes = if number == self.scene.whole { PASSES } else { 1 };
+        let mut band = Vec::new();
+        for _ in 0..passes {
+            band = near_changes(&self.levels[number].grid, BAND);
+            band.extend(&contours);
+            band.sort_unstable();
+            band.dedup();
+            band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
+            self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
+            let samples = self.samples_in(number, &band);
+            let is_soft = lattice.voxel >= self.scene.weights.soft_voxel(self.scene.unit);
+            let targets = is_soft.then(|| self.soft_targets(number, &samples));
+            let pulls = self.pulls(number, &samples, targets.as_deref());
+            self.solve(number, band.clone(), &pulls, NARROW)?;
+        }
+        Ok(band)
+    }
+
+    /// The leaves of a lattice in leaves of the level below that hold a change of
+    /// sign.
+    fn refined(&self, number: usize, lattice: &Lattice) -> Vec<[i32; 3]> {
+        let below = &self.levels[number - 1];
+        let ratio = below.lattice.voxel / lattice.voxel;
+        let shift = (below.lattice.origin - lattice.origin) / lattice.voxel;
+        let side = f64::from(SIDE);
+        let mut leaves: Vec<[i32; 3]> = near_changes(&below.grid, 0)
+            .into_par_iter()
+            .flat_map_iter(|leaf| {
+                // One node more, for changes between this leaf and the next.
+                let range = |axis: usize| {
+                    let low = shift[axis] + ratio * side * f64::from(leaf[axis]);
+                    let high = low + ratio * side;
+                    (low / side).floor() as i32..=(high / side).floor() as i32
+                };
+                let (y, z) = (range(1), range(2));
+                range(0).flat_map(move |x| {
+                    let z = z.clone();
+                    y.clone().flat_map(move |y| z.clone().map(move |z| [x, y, z]))
+                })
+            })
+            .collect();
+        leaves.par_sort_unstable();
+        leaves.dedup();
+        leaves
+    }
+
+    /// Interpolates leaves of the last level, and sets what the box fixes.
+    fn ensure(&mut self, leaves: impl IntoIterator<Item = [i32; 3]>) {
+        let mut levels = std::mem::take(&mut self.levels);
+        let settle = |level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]| {
+            self.settle(level, leaf, values);
+        };
+        ensure(&mut levels, leaves, &settle);
+        self.levels = levels;
+    }
+
+    /// On the coarsest level all nodes, on the others those beyond a closed box,
+    /// are as far outside as the nearest contour is away.
+    fn settle(&self, level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]) {
+        let is_first = level.lattice.voxel == self.scene.lattices[0].voxel;
+        let mut hint = Hint::default();
+        for (node, value) in values.iter_mut().enumerate() {
+            let offset = node_offset(node);
+            let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
+            let is_fixed = !self.scene.is_open && !level.lattice.is_inner(at);
+            if level.has(at) && (is_first || is_fixed) {
+                let sign = if self.label == Label::OUTSIDE { 1.0 } else { -1.0 };
+                *value = sign * self.distance(level, level.lattice.position(at), &mut hint);
+            }
+        }
+    }
+
+    /// To the nearest contour, in voxels.
+    fn distance(&self, level: &Level, point: DVec3, hint: &mut Hint) -> f32 {
+        let distance = self.outline.tree.distance(point, hint);
+        (distance.min(self.scene.bounds.diagonal()) / level.lattice.voxel) as f32
+    }
+
+    /// For each sample how far inside it should be, in voxels.
+    fn soft_targets(&self, number: usize, samples: &[PlaneSample]) -> Vec<f32> {
+        const CHUNK: usize = 512;
+        let level = &self.levels[number];
+        samples
+            .par_chunks(CHUNK)
+            .flat_map_iter(|samples| {
+                let mut hints = [Hint::default(); 2];
+                samples.iter().map(move |sample| {
+                    let mut distance = self.distance(level, sample.at, &mut hints[0]);
+                    if let Some(surface) = &self.surface {
+                        let other = surface.distance(sample.at, &mut hints[1]);
+                        distance = distance.min((other / level.lattice.voxel) as f32);
+                    }
+                    if sample.label == self.label { distance } else { -distance }
+                })
+            })
+            .collect()
+    }
+
+    /// Takes the surface as it is for what soft values are the distances to.
+    fn retarget(&mut self) {
+        let Some(level) = self.levels.last() else { return };
+        self.surface = Some(SegmentTree::new(crossings(level)));
+    }
+
+    /// The plane samples in a band.
+    fn samples_in(&self, number: usize, band: &[[i32; 3]]) -> Vec<PlaneSample> {
+        let Lattice { origin, voxel, .. } = self.levels[number].lattice;
+        let mut inside = LeafSet::new(&self.levels[number].grid);
+        for &leaf in band {
+            inside.insert(leaf);
+        }
+        let wanted = |at: DVec3| {
+            let node = ((at - origin) / voxel).floor().as_ivec3().to_array();
+            inside.has(leaf_of(node))
+        };
+        plane_samples(self.scene.sections, self.scene.bounds, voxel, wanted)
+    }
+
+    fn contour_places(&self, level: &Level) -> Vec<[f64; 3]> {
+        let Lattice { origin, voxel, .. } = level.lattice;
+        let points = self.outline.points(CONTOUR_SPACING * voxel);
+        points.into_iter().map(|at| ((at - origin) / voxel).to_array()).collect()
+    }
+
+    /// What pulls at the field, by the values that it has.
+    fn pulls(&self, number: usize, samples: &[PlaneSample], targets: Option<&[f32]>) -> Vec<Pull> {
+        let level = &self.levels[number];
+        let Lattice { origin, voxel, .. } = level.lattice;
+        let soft = self.scene.weights.soft_weight(voxel, self.scene.unit);
+        let contours = self.contour_places(level);
+        let mut pulls: Vec<Pull> =
+            contours.into_iter().map(|at| Pull { at, weight: FIRM, target: 0.0 }).collect();
+        let pull = |(index, sample): (usize, &PlaneSample)| {
+            let at = ((sample.at - origin) / voxel).to_array();
+            let value = trilinear(level, at)?;
+            let side = if sample.label == self.label { 1.0 } else { -1.0 };
+            let target = targets.map(|targets| targets[index]);
+            let margin = match target {
+                Some(target) => target.abs().min(MARGIN as f32),
+                None if side * value >= MARGIN as f32 => 0.0,
+                None => {
+                    let near = self.outline.tree.distance_below(MARGIN * voxel, sample.at);
+                    near.map_or(MARGIN, |distance| distance / voxel) as f32
+                }
+            };
+            let firm = if side * value < margin { FIRM } else { 0.0 };
+            let soft = if target.is_some() { soft } else { 0.0 };
+            let weight = firm + soft;
+            let sum = firm * side * margin + soft * target.unwrap_or(0.0);
+            (weight > 0.0).then(|| Pull { at, weight, target: sum / weight })
+        };
+        pulls.par_extend(samples.par_iter().enumerate().filter_map(pull));
+        pulls
+    }
+
+    /// Solves for the free nodes of leaves.
+    fn solve(
+        &mut self,
+        number: usize,
+        mut leaves: Vec<[i32; 3]>,
+        pulls: &[Pull],
+        limits: Limits,
+    ) -> Result<()> {
+        let level = &self.levels[number];
+        let is_free = |node: [i32; 3]| match self.scene.is_open {
+            true => level.has(node),
+            false => level.lattice.is_inner(node),
+        };
+        leaves.retain(|&leaf| (0..LEAF_NODES).any(|node| is_free(node_of(leaf, node))));
+        let domain = self.scene.is_open.then_some(level.domain);
+        let system = System::new(leaves, is_free, domain, pulls);
+        let residual = residual(&system, &level.grid);
+        let correction = self.scene.backend.correct(&system, residual, limits)?;
+        self.effort.add(system.unknowns(), correction.iterations);
+        let grid = &mut self.levels[number].grid;
+        for (leaf, values) in system.leaves.iter().zip(correction.values.chunks(LEAF_NODES)) {
+            let slot = grid.slot(*leaf) as usize * LEAF_NODES;
+            let own = &mut grid.values_mut()[slot..slot + LEAF_NODES];
+            own.iter_mut().zip(values).for_each(|(own, by)| *own += by);
+        }
+        Ok(())
+    }
+}
+
+fn node_of(leaf: [i32; 3], node: usize) -> [i32; 3] {
+    let offset = node_offset(node);
+    std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32)
+}
+
+/// The value at a place given in nodes, where all nodes around it have one.
+fn trilinear(level: &Level, at: [f64; 3]) -> Option<f32> {
+    let low = at.map(f64::floor);
+    let [x, y, z] = std::array::from_fn(|axis| {
+        let high = (at[axis] - low[axis]) as f32;
+        [1.0 - high, high]
+    });
+    let mut sum = 0.0;
+    for corner in 0..8 {
+        let step = [corner >> 2, corner >> 1 & 1, corner & 1];
+        let node = std::array::from_fn(|axis| low[axis] as i32 + step[axis] as i32);
+        sum += x[step[0]] * y[step[1]] * z[step[2]] * level.grid.value(node)?;
+    }
+    Some(sum)
+}
+
+/// The points where edges of the lattice cross the surface.
+fn crossings(level: &Level) -> Vec<[DVec3; 2]> {
+    let Lattice { voxel, .. } = level.lattice;
+    let grid = &level.grid;
+    let of_leaf = |(slot, &leaf): (usize, &[i32; 3])| {
+        let mut points = Vec::new();
+        for (index, &value) in grid.leaf(slot as u32).iter().enumerate() {
+            let node = node_of(leaf, index);
+            for axis in 0..3 {
+                let mut next = node;
+                next[axis] += 1;
+                let Some(ahead) = grid.value(next) else { continue };
+                if (value > 0.0) != (ahead > 0.0) {
+                    let mut at = level.lattice.position(node);
+                    at[axis] += voxel * f64::from(value / (value - ahead));
+                    points.push([at; 2]);
+                }
+            }
+        }
+        points
+    };
+    grid.leaves().par_iter().enumerate().flat_map_iter(of_leaf).collect()
+}

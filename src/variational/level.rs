@@ -1,0 +1,388 @@
+//! One level of the solver for one label: a lattice over the box, and values
+//! where they are needed.
+
+use rayon::prelude::*;
+
+use crate::grid::invariant::node_offset;
+use crate::grid::leaf_grid::{LeafGrid, NO_SLOT, around, leaf_of};
+use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
+
+use super::system::{Domain, SIDE};
+
+/// Nodes along each axis of the part of a coarser level that a leaf depends on:
+/// its voxels are not smaller, so 8 nodes lie within 7 of its own, and cubic
+/// interpolation takes one more before and two behind.
+const COARSE: usize = LEAF_SIDE + 3;
+
+/// A lattice with values in some of its leaves.
+#[derive(Debug, Clone)]
+pub struct Level {
+    /// Where the nodes are.
+    pub lattice: Lattice,
+    /// The nodes that exist.
+    pub domain: Domain,
+    /// The values, in voxels of this level.
+    pub grid: LeafGrid,
+}
+
+impl Level {
+    /// Without values. Beyond a closed box there are two layers of nodes; beyond
+    /// an open one that layer which the lattice has.
+    pub fn new(lattice: Lattice, is_open: bool) -> Self {
+        let beyond = if is_open { 0 } else { 1 };
+        let domain = Domain { low: [-beyond; 3], high: lattice.dims.map(|nodes| nodes + beyond) };
+        Self { lattice, domain, grid: LeafGrid::new(domain.low, domain.high) }
+    }
+
+    /// Whether a node exists.
+    pub fn has(&self, node: [i32; 3]) -> bool {
+        let Domain { low, high } = self.domain;
+        (0..3).all(|axis| (low[axis]..high[axis]).contains(&node[axis]))
+    }
+
+    /// The leaves of `wanted` that may be there and have no values yet, sorted.
+    pub fn missing(&self, wanted: impl IntoIterator<Item = [i32; 3]>) -> Vec<[i32; 3]> {
+        let is_missing =
+            |&leaf: &[i32; 3]| self.grid.may_hold(leaf) && self.grid.slot(leaf) == NO_SLOT;
+        let mut missing: Vec<[i32; 3]> = wanted.into_iter().filter(is_missing).collect();
+        missing.par_sort_unstable();
+        missing.dedup();
+        missing
+    }
+
+    /// The leaves of this level that some leaves of a finer lattice depend on.
+    pub fn below(&self, leaves: &[[i32; 3]], finer: &Lattice) -> Vec<[i32; 3]> {
+        let mut below: Vec<[i32; 3]> = leaves
+            .par_iter()
+            .flat_map_iter(|&leaf| {
+                let rows = self.rows(leaf, finer);
+                let range = |axis: usize| {
+                    let Row { first, .. } = rows[axis][0];
+                    let Row { first: last, .. } = rows[axis][LEAF_SIDE - 1];
+                    first.div_euclid(SIDE)..=(last + 3).div_euclid(SIDE)
+                };
+                let (y, z) = (range(1), range(2));
+                range(0).flat_map(move |x| {
+                    let z = z.clone();
+                    y.clone().flat_map(move |y| z.clone().map(move |z| [x, y, z]))
+                })
+            })
+            .collect();
+        below.par_sort_unstable();
+        below.dedup();
+        below
+    }
+
+    /// The values at a leaf of a finer lattice, in its voxels.
+    pub fn interpolated(&self, leaf: [i32; 3], finer: &Lattice) -> [f32; LEAF_NODES] {
+        let rows = self.rows(leaf, finer);
+        let low = std::array::from_fn(|axis| rows[axis][0].first);
+        let mut coarse = [0.0; COARSE * COARSE * COARSE];
+        self.grid.gather::<COARSE>(low, &mut coarse);
+        let ratio = (self.lattice.voxel / finer.voxel) as f32;
+        interpolate(
+            &coarse,
+            &rows.map(|axis| axis.map(|row| row.relative_to(axis[0].first))),
+            ratio,
+        )
+    }
+
+    /// For every axis and every node of a leaf of a finer lattice the nodes of this
+    /// level that it depends on.
+    fn rows(&self, leaf: [i32; 3], finer: &Lattice) -> [[Row; LEAF_SIDE]; 3] {
+        let shift = (finer.origin - self.lattice.origin) / self.lattice.voxel;
+        let ratio = finer.voxel / self.lattice.voxel;
+        std::array::from_fn(|axis| {
+            let exists = self.domain.low[axis]..self.domain.high[axis];
+            std::array::from_fn(|node| {
+                let at = f64::from(leaf[axis] * SIDE + node as i32);
+                Row::new(shift[axis] + ratio * at, exists.clone())
+            })
+        })
+    }
+}
+
+/// Four nodes in a row and what each counts.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    first: i32,
+    weights: [f32; 4],
+}
+
+impl Row {
+    /// Cubic convolution (Catmull and Rom) at a place. What it takes from nodes
+    /// that do not exist it takes from the line through the last two that do.
+    fn new(at: f64, exists: std::ops::Range<i32>) -> Self {
+        let base = at.floor();
+        let t = at - base;
+        let cubic = [
+            t * (-0.5 + t * (1.0 - 0.5 * t)),
+            1.0 + t * t * (-2.5 + 1.5 * t),
+            t * (0.5 + t * (2.0 - 1.5 * t)),
+            t * t * (-0.5 + 0.5 * t),
+        ];
+        let wanted = base as i32 - 1;
+        let first = wanted.min(exists.end - 4).max(exists.start);
+        let mut weights = [0.0; 4];
+        for (node, weight) in (wanted..).zip(cubic) {
+            let inner = node.clamp(exists.start, exists.end - 1);
+            let beyond = f64::from(node - inner);
+            let previous = if beyond > 0.0 { inner - 1 } else { inner + 1 };
+            // f(node) = f(inner) + |beyond| (f(inner) − f(previous)).
+            add(&mut weights, inner - first, weight * (1.0 + beyond.abs()));
+            if beyond != 0.0 {
+                add(&mut weights, previous - first, -weight * beyond.abs());
+            }
+        }
+        Self { first, weights: weights.map(|weight| weight as f32) }
+    }
+
+    fn relative_to(self, low: i32) -> Self {
+        Self { first: self.first - low, ..self }
+    }
+}
+
+/// Where the domain has fewer nodes than a row, or a row lies far beyond it, what
+/// does not fit counts for nothing.
+fn add(weights: &mut [f64; 4], place: i32, weight: f64) {
+    if let Some(own) = usize::try_from(place).ok().and_then(|place| weights.get_mut(place)) {
+        *own += weight;
+    }
+}
+
+/// Axis by axis, z first.
+fn interpolate(
+    coarse: &[f32; COARSE * COARSE * COARSE],
+    [rows_x, rows_y, rows_z]: &[[Row; LEAF_SIDE]; 3],
+    ratio: f32,
+) -> [f32; LEAF_NODES] {
+    let mut along_z = [0.0; COARSE * COARSE * LEAF_SIDE];
+    for line in 0..COARSE * COARSE {
+        for (z, row) in rows_z.iter().enumerate() {
+            along_z[line * LEAF_SIDE + z] = row.of(&coarse[line * COARSE..], 1);
+        }
+    }
+    let mut along_y = [0.0; COARSE * LEAF_SIDE * LEAF_SIDE];
+    for x in 0..COARSE {
+        let plane = &along_z[x * COARSE * LEAF_SIDE..][..COARSE * LEAF_SIDE];
+        for (y, row) in rows_y.iter().enumerate() {
+            for z in 0..LEAF_SIDE {
+                let value = row.of(&plane[z..], LEAF_SIDE);
+                along_y[(x * LEAF_SIDE + y) * LEAF_SIDE + z] = value;
+            }
+        }
+    }
+    let mut values = [0.0; LEAF_NODES];
+    for (x, row) in rows_x.iter().enumerate() {
+        for line in 0..LEAF_SIDE * LEAF_SIDE {
+            let value = row.of(&along_y[line..], LEAF_SIDE * LEAF_SIDE);
+            values[x * LEAF_SIDE * LEAF_SIDE + line] = ratio * value;
+        }
+    }
+    values
+}
+
+impl Row {
+    /// The sum over its nodes, `stride` apart.
+    #[inline(always)]
+    fn of(&self, values: &[f32], stride: usize) -> f32 {
+        let first = self.first as usize;
+        let value = |node: usize| self.weights[node] * values[(first + node) * stride];
+        (value(0) + value(1)) + (value(2) + value(3))
+    }
+}
+
+/// Gives values to leaves of the last level and, where that needs it, of those
+/// below: interpolated from below, then `settle` sees each new leaf of a level.
+pub fn ensure(
+    levels: &mut [Level],
+    leaves: impl IntoIterator<Item = [i32; 3]>,
+    settle: &(impl Fn(&Level, [i32; 3], &mut [f32; LEAF_NODES]) + Sync),
+) {
+    let Some((level, below)) = levels.split_last_mut() else { return };
+    let missing = level.missing(leaves);
+    if missing.is_empty() {
+        return;
+    }
+    if let Some(coarser) = below.last() {
+        let needed = coarser.below(&missing, &level.lattice);
+        ensure(below, needed, settle);
+    }
+    let coarser = below.last();
+    let values: Vec<[f32; LEAF_NODES]> = missing
+        .par_iter()
+        .map(|&leaf| {
+            let mut values = [0.0; LEAF_NODES];
+            if let Some(coarser) = coarser {
+                values = coarser.interpolated(leaf, &level.lattice);
+            }
+            settle(level, leaf, &mut values);
+            values
+        })
+        .collect();
+    let added = level.grid.add(missing);
+    let start = added.start * LEAF_NODES;
+    level.grid.values_mut()[start..].copy_from_slice(values.as_flattened());
+}
+
+/// The leaves near where values change their sign, and those within `reach` nodes
+/// of such a node; sorted.
+pub fn near_changes(grid: &LeafGrid, reach: i32) -> Vec<[i32; 3]> {
+    let near = |(slot, &leaf): (usize, &[i32; 3])| {
+        let steps = steps_to_mark(grid, slot as u32, reach);
+        around(leaf).enumerate().filter(move |(step, _)| steps >> step & 1 == 1).map(|one| one.1)
+    };
+    let mut leaves: Vec<[i32; 3]> =
+        grid.leaves().par_iter().enumerate().flat_map_iter(near).collect();
+    leaves.par_sort_unstable();
+    leaves.dedup();
+    leaves
+}
+
+/// One bit for each of the 27 leaves around a leaf: whether a change of sign that
+/// begins in it is within reach.
+fn steps_to_mark(grid: &LeafGrid, slot: u32, reach: i32) -> u32 {
+    let leaf = grid.leaves()[slot as usize];
+    let values = grid.leaf(slot);
+    let next: [Option<&[f32; LEAF_NODES]>; 3] = std::array::from_fn(|axis| {
+        let mut next = leaf;
+        next[axis] += 1;
+        let slot = grid.slot(next);
+        (slot != NO_SLOT).then(|| grid.leaf(slot))
+    });
+    let mut steps = 0;
+    for node in 0..LEAF_NODES {
+        let offset = node_offset(node);
+        for axis in 0..3 {
+            let stride = [64, 8, 1][axis];
+            let ahead = if offset[axis] + 1 < LEAF_SIDE {
+                values[node + stride]
+            } else {
+                let Some(next) = next[axis] else { continue };
+                next[node - (LEAF_SIDE - 1) * stride]
+            };
+            if (values[node] > 0.0) != (ahead > 0.0) {
+                steps |= steps_within(offset, axis, reach);
+            }
+        }
+    }
+    steps
+}
+
+/// The leaves within reach of a node and of the next one along an axis.
+fn steps_within(offset: [usize; 3], axis: usize, reach: i32) -> u32 {
+    let mut range = offset.map(|along| {
+        let along = along as i32;
+        [(along - reach).div_euclid(SIDE) + 1, (along + reach).div_euclid(SIDE) + 1]
+    });
+    range[axis][1] = (offset[axis] as i32 + 1 + reach).div_euclid(SIDE) + 1;
+    let mut steps = 0;
+    for x in range[0][0]..=range[0][1] {
+        for y in range[1][0]..=range[1][1] {
+            for z in range[2][0]..=range[2][1] {
+                steps |= 1 << ((x * 3 + y) * 3 + z);
+            }
+        }
+    }
+    steps
+}
+
+/// The leaves within `reach` nodes of the cells that points lie in, given in
+/// nodes; sorted.
+pub fn near_points(points: &[[f64; 3]], reach: i32) -> Vec<[i32; 3]> {
+    let mut leaves: Vec<[i32; 3]> = points
+        .par_iter()
+        .flat_map_iter(|at| {
+            let node = at.map(|along| along.floor() as i32);
+            let low = leaf_of(node.map(|along| along - reach));
+            let high = leaf_of(node.map(|along| along + 1 + reach));
+            (low[0]..=high[0]).flat_map(move |x| {
+                (low[1]..=high[1]).flat_map(move |y| (low[2]..=high[2]).map(move |z| [x, y, z]))
+            })
+        })
+        .collect();
+    leaves.par_sort_unstable();
+    leaves.dedup();
+    leaves
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::grid::lattice::Resolution;
+    use crate::plane::Bounds;
+
+    fn level(voxels: u32, is_open: bool) -> Level {
+        let bounds = Bounds { min: DVec3::new(-1.0, 2.0, 0.0), max: DVec3::new(1.0, 3.5, 1.0) };
+        Level::new(Lattice::new(bounds, Resolution::Voxels(voxels)).unwrap(), is_open)
+    }
+
+    /// Fills a level with a function of world points, in its voxels.
+    fn fill(level: &mut Level, value: impl Fn(DVec3) -> f64 + Sync) {
+        let all: Vec<[i32; 3]> = level.grid.all_places().collect();
+        let settle = |level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]| {
+            for (node, own) in values.iter_mut().enumerate() {
+                let offset = node_offset(node);
+                let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
+                *own = (value(level.lattice.position(at)) / level.lattice.voxel) as f32;
+            }
+        };
+        ensure(std::slice::from_mut(level), all, &settle);
+    }
+
+    #[test]
+    fn quadratics_are_interpolated_as_they_are() {
+        let value = |p: DVec3| 0.3 - p.x * p.y + 0.5 * p.z * p.z - p.y;
+        for (coarse, fine, is_open) in [(24, 48, false), (24, 33, false), (24, 48, true)] {
+            let mut levels = [level(coarse, is_open), level(fine, is_open)];
+            fill(&mut levels[0], value);
+            let leaf = [1, 1, 1];
+            ensure(&mut levels, [leaf], &|_: &Level, _, _: &mut [f32; LEAF_NODES]| ());
+            let [_, fine] = &levels;
+            let slot = fine.grid.slot(leaf);
+            for (node, &found) in fine.grid.leaf(slot).iter().enumerate() {
+                let offset = node_offset(node);
+                let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
+                let expected = value(fine.lattice.position(at)) / fine.lattice.voxel;
+                assert!((f64::from(found) - expected).abs() < 1e-4, "{found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_an_open_box_lines_go_on() {
+        let value = |p: DVec3| 0.3 - p.x + 2.0 * p.y - 0.7 * p.z;
+        let mut levels = [level(24, true), level(48, true)];
+        fill(&mut levels[0], value);
+        let all: Vec<[i32; 3]> = levels[1].grid.all_places().collect();
+        ensure(&mut levels, all, &|_: &Level, _, _: &mut [f32; LEAF_NODES]| ());
+        let fine = &levels[1];
+        let [x, y, z] = fine.lattice.dims;
+        for node in [[0, 0, 0], [x - 1, y - 1, z - 1], [0, y - 1, 5], [9, 0, z - 1]] {
+            let expected = value(fine.lattice.position(node)) / fine.lattice.voxel;
+            let found = f64::from(fine.grid.value(node).unwrap());
+            assert!((found - expected).abs() < 1e-3, "{node:?}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn leaves_near_a_change_of_sign_are_marked() {
+        let mut level = level(64, false);
+        let plane = level.lattice.position([20, 0, 0]).x + 1e-9;
+        fill(&mut level, |p| p.x - plane);
+        // Between nodes 20 and 21, in the leaf of 16 to 23: with a reach of 2 nodes
+        // 18 to 23, with one of 3 also 24.
+        let marked = |reach| {
+            let mut along: Vec<i32> =
+                near_changes(&level.grid, reach).iter().map(|leaf| leaf[0]).collect();
+            along.dedup();
+            along
+        };
+        assert_eq!(marked(2), [2]);
+        assert_eq!(marked(3), [2, 3]);
+        assert_eq!(marked(5), [1, 2, 3]);
+        assert_eq!(near_points(&[[20.5, 3.0, 9.5]], 2), [[2, 0, 0], [2, 0, 1]]);
+    }
+}

@@ -1,0 +1,200 @@
+//! The variational field: for every label the smoothest function that the
+//! sections allow.
+//!
+//! In voxels of the lattice it is solved on, the field f of a label minimises
+//!
+//! ```text
+//! Σ ‖Hess f‖²  +  10 Σ_contours f²  +  w Σ_planes (f − s)²  +  10 Σ_planes max(0, m − σ f)²
+//! ```
+//!
+//! - contours are those of the label, sampled every half voxel;
+//! - planes are the known parts of all sections, sampled every voxel: σ is 1 where
+//!   the section says this label and −1 elsewhere, d the distance to the nearest
+//!   contour of the label on any section, s = σ d, and m = min(d, ½);
+//! - the last sum is over samples on the wrong side, or nearer to the surface than m.
+//!   Which these are is found by solving several times (an *active set*);
+//! - w is small: it gives shape to what no contour is near to. It is the same
+//!   physical weight on every level;
+//! - beyond a closed box f is −d (for *outside* d); at an open one the boundary is
+//!   natural: the sum over the Hessian ends there.
+//!
+//! The mean-value indicator meets every section at a right angle, and so makes beads
+//! between parallel ones; this one goes through them as a bent plate would. A label
+//! is where its field is the largest of all; *outside* has one like the others.
+//!
+//! It is solved from coarse to fine ([`label_field`]): on the whole box with about 48
+//! voxels on its longest side, where it is decided how parts hang together, then in
+//! a narrow band around the surface and the contours on ever finer lattices, started
+//! from the interpolated level below, which is also the band's boundary condition.
+//!
+//! ```text
+//! outline, plane_samples ─► label_field: level ─► system ─► backend (cpu) ─► level … ─► assembly ─► Samples
+//! ```
+
+mod assembly;
+mod backend;
+mod cpu;
+mod label_field;
+mod level;
+mod outline;
+mod plane_samples;
+mod segments;
+mod stencil;
+mod system;
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::grid::lattice::Resolution;
+use crate::grid::samples::{Lattice, Samples};
+use crate::label::Label;
+use crate::method::Variational;
+use crate::plane::Bounds;
+use crate::progress::Progress;
+use crate::section::Section;
+
+use backend::Backend;
+use cpu::Cpu;
+use label_field::{LabelField, Scene};
+use plane_samples::plane_samples;
+
+/// Voxels on the longest side of the box on which all of it is solved for.
+const WHOLE_VOXELS: f64 = 48.0;
+/// The voxels on the longest side for which the soft values' weight is given.
+const UNIT_VOXELS: f64 = 96.0;
+/// Nodes there are to be at least then, in a box that is long.
+const WHOLE_NODES: f64 = 45_000.0;
+/// The next finer level has voxels smaller by this factor at least.
+const STEP: f64 = 1.3;
+
+/// What counts how much.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weights {
+    /// The weight w of the soft values with 96 voxels on the box's longest side.
+    pub soft: f64,
+    /// How often the soft values are set anew, to the distances to the surface that
+    /// was found, on the coarse levels.
+    pub retargets: u32,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self { soft: 0.01, retargets: 2 }
+    }
+}
+
+impl Weights {
+    /// w on a level; `unit` are the voxels it is given for.
+    fn soft_weight(&self, voxel: f64, unit: f64) -> f32 {
+        (self.soft * (voxel / unit).powi(3)) as f32
+    }
+
+    /// The smallest voxels on which there are soft values.
+    fn soft_voxel(&self, unit: f64) -> f64 {
+        0.7 * unit
+    }
+}
+
+/// What solving took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Unknowns of all systems together.
+    pub unknowns: u64,
+    /// Unknowns times iterations of all systems together.
+    pub updates: u64,
+}
+
+impl Effort {
+    fn add(&mut self, unknowns: u64, iterations: u32) {
+        self.unknowns += unknowns;
+        self.updates += unknowns * u64::from(iterations);
+    }
+}
+
+/// A solved field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solved {
+    /// The samples.
+    pub samples: Samples,
+    /// What it took.
+    pub effort: Effort,
+    /// What it was solved on, for people to read.
+    pub device: String,
+}
+
+/// The samples of the variational field.
+///
+/// # Errors
+/// When a backend fails.
+pub fn variational(
+    sections: &[Section],
+    bounds: Bounds,
+    lattice: &Lattice,
+    method: &Variational,
+    progress: &dyn Progress,
+) -> Result<Solved> {
+    let (lattices, whole) = lattices(bounds, lattice)?;
+    let backend = Cpu::new();
+    let everywhere = |lattice: &Lattice| plane_samples(sections, bounds, lattice.voxel, |_| true);
+    let scene = Scene {
+        sections,
+        bounds,
+        is_open: method.border == Label::UNKNOWN,
+        samples: lattices[..whole].iter().map(everywhere).collect(),
+        lattices: &lattices,
+        whole,
+        unit: bounds.size().max_element() / UNIT_VOXELS,
+        weights: &method.weights,
+        backend: &backend,
+    };
+    let labels = labels(sections);
+    progress.begin("field", labels.len() as u64);
+    let fields: Vec<LabelField> = labels
+        .par_iter()
+        .map(|&label| {
+            let field = LabelField::new(&scene, label)?;
+            progress.advance(1);
+            Ok(field)
+        })
+        .collect::<Result<_>>()?;
+    let mut effort = Effort::default();
+    for field in &fields {
+        effort.unknowns += field.effort.unknowns;
+        effort.updates += field.effort.updates;
+    }
+    let samples = assembly::assemble(fields, &scene);
+    Ok(Solved { samples, effort, device: backend.name() })
+}
+
+/// The labels that get a field: with a single material that one alone, since the
+/// field of *outside* is the same but for its sign.
+fn labels(sections: &[Section]) -> Vec<Label> {
+    let mut labels: Vec<Label> = sections.iter().flat_map(Section::labels).collect();
+    labels.retain(|label| label.is_material());
+    labels.sort_unstable();
+    labels.dedup();
+    if labels.len() > 1 {
+        labels.insert(0, Label::OUTSIDE);
+    }
+    labels
+}
+
+/// The lattices from the coarsest to the given one, and on how many of them the
+/// whole box is solved for.
+fn lattices(bounds: Bounds, finest: &Lattice) -> Result<(Vec<Lattice>, usize)> {
+    let longest = bounds.size().max_element() / WHOLE_VOXELS;
+    let whole = longest.min((bounds.volume() / WHOLE_NODES).cbrt()).max(finest.voxel);
+    let mut voxels = Vec::new();
+    let mut voxel = finest.voxel;
+    while voxel * STEP < whole {
+        voxels.push(voxel);
+        voxel *= 2.0;
+    }
+    voxels.extend([whole, 2.0 * whole]);
+    let lattice = |&voxel: &f64| match voxel == finest.voxel {
+        true => Ok(*finest),
+        false => Lattice::new(bounds, Resolution::VoxelSize(voxel)),
+    };
+    let lattices: Vec<Lattice> = voxels.iter().rev().map(lattice).collect::<Result<_>>()?;
+    Ok((lattices, 2))
+}

@@ -1,0 +1,243 @@
+//! What a section says on a square lattice of its plane.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use crate::label::Label;
+use crate::plane::Bounds;
+use crate::section::Section;
+
+/// A point of a section whose label is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneSample {
+    /// Where it is, in world units.
+    pub at: DVec3,
+    /// The label there.
+    pub label: Label,
+}
+
+/// A section seen from the front, u to the right and v up.
+struct Drawing {
+    origin: DVec3,
+    sides: [DVec3; 2],
+    background: Label,
+    edges: Vec<DrawnEdge>,
+}
+
+/// An edge directed upward.
+struct DrawnEdge {
+    low: DVec2,
+    high: DVec2,
+    left: Label,
+    right: Label,
+}
+
+/// The known points in a box of lattices with a spacing in world units on all
+/// sections' planes, those for which `wanted` says yes; section by section, row
+/// by row.
+pub fn plane_samples(
+    sections: &[Section],
+    bounds: Bounds,
+    spacing: f64,
+    wanted: impl Fn(DVec3) -> bool + Sync,
+) -> Vec<PlaneSample> {
+    let rows: Vec<(usize, i64)> = sections
+        .iter()
+        .enumerate()
+        .flat_map(|(number, section)| rows(section, bounds, spacing).map(move |row| (number, row)))
+        .collect();
+    let drawings: Vec<Drawing> =
+        sections.par_iter().map(|section| Drawing::new(section, bounds)).collect();
+    let crossings: Vec<Rows> =
+        drawings.par_iter().map(|drawing| Rows::new(drawing, spacing)).collect();
+    rows.into_par_iter()
+        .flat_map_iter(|(number, row)| {
+            let drawing = &drawings[number];
+            let mut samples = Vec::new();
+            drawing.sample_row(&crossings[number], bounds, spacing, row, &wanted, &mut samples);
+            samples
+        })
+        .collect()
+}
+
+/// The numbers of the rows that pass through a box.
+fn rows(section: &Section, bounds: Bounds, spacing: f64) -> std::ops::Range<i64> {
+    let plane = section.plane();
+    let [_, up] = plane.sides();
+    let origin = origin_in(section, bounds);
+    let heights = plane.polygon_in(bounds).into_iter().map(|corner| (corner - origin).dot(up));
+    let ends = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
+        [low.min(height), high.max(height)]
+    });
+    if ends[0] > ends[1] {
+        return 0..0;
+    }
+    (ends[0] / spacing).ceil() as i64..(ends[1] / spacing).floor() as i64 + 1
+}
+
+/// The point of the plane that is nearest to the box's middle.
+fn origin_in(section: &Section, bounds: Bounds) -> DVec3 {
+    let plane = section.plane();
+    let middle = (bounds.min + bounds.max) / 2.0;
+    middle - plane.distance(middle) * plane.unit_normal()
+}
+
+/// Which edges a row crosses: row `first + i` those from `starts[i]` on.
+struct Rows {
+    first: i64,
+    starts: Vec<u32>,
+    edges: Vec<u32>,
+}
+
+impl Rows {
+    fn new(drawing: &Drawing, spacing: f64) -> Self {
+        // A row crosses an edge from its low end up to, without, its high end.
+        let range = |edge: &DrawnEdge| {
+            (edge.low.y / spacing).ceil() as i64..(edge.high.y / spacing).ceil() as i64
+        };
+        let ranges = || drawing.edges.iter().map(range).filter(|range| !range.is_empty());
+        let first = ranges().map(|range| range.start).min().unwrap_or(0);
+        let end = ranges().map(|range| range.end).max().unwrap_or(first);
+        let mut starts = vec![0u32; (end - first) as usize + 1];
+        for row in ranges().flatten() {
+            starts[(row - first) as usize + 1] += 1;
+        }
+        for row in 1..starts.len() {
+            starts[row] += starts[row - 1];
+        }
+        let mut next = starts.clone();
+        let mut edges = vec![0; starts.last().map_or(0, |&count| count as usize)];
+        for (number, edge) in drawing.edges.iter().enumerate() {
+            for row in range(edge) {
+                let place = &mut next[(row - first) as usize];
+                edges[*place as usize] = number as u32;
+                *place += 1;
+            }
+        }
+        Self { first, starts, edges }
+    }
+
+    fn edges(&self, row: i64) -> &[u32] {
+        let place = row - self.first;
+        if place < 0 || place as usize + 1 >= self.starts.len() {
+            return &[];
+        }
+        let [start, end] = [0, 1].map(|next| self.starts[place as usize + next] as usize);
+        &self.edges[start..end]
+    }
+}
+
+impl Drawing {
+    fn new(section: &Section, bounds: Bounds) -> Self {
+        let origin = origin_in(section, bounds);
+        let sides = section.plane().sides();
+        let place = |vertex: u32| {
+            let point = section.point(vertex) - origin;
+            DVec2::new(point.dot(sides[0]), point.dot(sides[1]))
+        };
+        let edges = section.edges().iter().map(|edge| {
+            let (start, end) = (place(edge.start), place(edge.end));
+            if start.y <= end.y {
+                DrawnEdge { low: start, high: end, left: edge.left, right: edge.right }
+            } else {
+                DrawnEdge { low: end, high: start, left: edge.right, right: edge.left }
+            }
+        });
+        Self { origin, sides, background: section.background(), edges: edges.collect() }
+    }
+
+    fn sample_row(
+        &self,
+        rows: &Rows,
+        bounds: Bounds,
+        spacing: f64,
+        row: i64,
+        wanted: &(impl Fn(DVec3) -> bool + Sync),
+        samples: &mut Vec<PlaneSample>,
+    ) {
+        let v = row as f64 * spacing;
+        let start = self.origin + v * self.sides[1];
+        let Some([from, to]) = part_in(bounds, start, self.sides[0]) else { return };
+        let mut crossings: Vec<(f64, Label)> = rows
+            .edges(row)
+            .iter()
+            .map(|&number| {
+                let DrawnEdge { low, high, right, .. } = &self.edges[number as usize];
+                let part = (v - low.y) / (high.y - low.y);
+                (low.x + part * (high.x - low.x), *right)
+            })
+            .collect();
+        crossings.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let mut label = self.background;
+        let mut crossings = crossings.into_iter().peekable();
+        for column in (from / spacing).ceil() as i64..=(to / spacing).floor() as i64 {
+            let u = column as f64 * spacing;
+            while let Some((_, beyond)) = crossings.next_if(|&(at, _)| at <= u) {
+                label = beyond;
+            }
+            let at = start + u * self.sides[0];
+            if label != Label::UNKNOWN && wanted(at) {
+                samples.push(PlaneSample { at, label });
+            }
+        }
+    }
+}
+
+/// The part of a line in a box, by two parameters.
+fn part_in(bounds: Bounds, start: DVec3, along: DVec3) -> Option<[f64; 2]> {
+    let mut part = [f64::NEG_INFINITY, f64::INFINITY];
+    for axis in 0..3 {
+        let (low, high) = (bounds.min[axis] - start[axis], bounds.max[axis] - start[axis]);
+        if along[axis] == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return None;
+            }
+            continue;
+        }
+        let ends = [low / along[axis], high / along[axis]];
+        part = [part[0].max(ends[0].min(ends[1])), part[1].min(ends[0].max(ends[1]))];
+    }
+    (part[0] <= part[1]).then_some(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::shapes::disc;
+    use crate::plane::Plane;
+
+    #[test]
+    fn samples_know_inside_from_outside() {
+        let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+        for normal in [DVec3::Z, DVec3::new(0.3, -2.0, 0.4), DVec3::new(-1.0, 1.0, 1.0)] {
+            let plane = Plane { normal, offset: 0.1 };
+            let section = disc(plane, 0.5, 400, Label(3));
+            let center = 0.1 / normal.length() * plane.unit_normal();
+            let samples = plane_samples(&[section], bounds, 0.02, |_| true);
+            let area = crate::plane::polygon_area(&plane.polygon_in(bounds)) / (0.02 * 0.02);
+            assert!((samples.len() as f64 / area - 1.0).abs() < 0.03, "{}", samples.len());
+            for sample in samples {
+                assert!(plane.distance(sample.at).abs() < 1e-12);
+                let radius = sample.at.distance(center);
+                if (radius - 0.5).abs() > 1e-3 {
+                    assert_eq!(sample.label == Label(3), radius < 0.5, "{radius}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_said_of_what_is_unknown() {
+        let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+        let plane = Plane { normal: DVec3::Z, offset: 0.0 };
+        let section = disc(plane, 0.5, 400, Label(3));
+        let unknown = section.relabelled(|label| match label {
+            Label::OUTSIDE => Label::UNKNOWN,
+            other => other,
+        });
+        let samples = plane_samples(&[unknown], bounds, 0.05, |at| at.x > 0.0);
+        assert!(samples.iter().all(|one| one.label == Label(3) && one.at.x > 0.0));
+        // Half the disc: π 0.5² / 2 over 0.05² is 157.
+        assert!((140..170).contains(&samples.len()), "{}", samples.len());
+    }
+}

@@ -1,0 +1,310 @@
+//! The linear system of one label on one level: the unknown nodes, the energy's
+//! stencil and the samples that bear on them, as flat arrays for any backend.
+//!
+//! With voxels of length 1, Σ‖Hess f‖² is
+//!
+//! ```text
+//! Σ (δxx f)² + (δyy f)² + (δzz f)² + 2 (δx δy f)² + 2 (δx δz f)² + 2 (δy δz f)²
+//! ```
+//!
+//! with δxx f = f(x − 1) − 2 f(x) + f(x + 1) at nodes and δx δy f at the squares
+//! between four nodes. Half its gradient is the stencil 42, −12 (6 neighbours),
+//! +2 (12 across an edge), +1 (6 at distance two). At a natural boundary only
+//! differences between nodes that exist are summed up: along an axis the
+//! coefficients of δxxᵀ δxx ([`Second`]) and of δxᵀ δx ([`First`]) then depend on
+//! the place, and the stencil is made of their products.
+//!
+//! A sample is a point with a weight w and a target t, and adds w (f − t)² with f
+//! interpolated trilinearly from the eight nodes around it.
+
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+
+use crate::grid::leaf_grid::{LeafGrid, NO_SLOT, around, leaf_of};
+use crate::grid::samples::{LEAF_NODES, LEAF_SIDE};
+
+/// [`LEAF_SIDE`] for node indices.
+pub const SIDE: i32 = LEAF_SIDE as i32;
+/// Nodes that the stencil reaches beyond a leaf.
+pub const REACH: i32 = 2;
+/// Nodes along each axis of a *patch*: a leaf with what its stencil reaches.
+pub const PATCH: usize = LEAF_SIDE + 2 * REACH as usize;
+/// Nodes of a patch.
+pub const PATCH_NODES: usize = PATCH * PATCH * PATCH;
+/// From the first corner of a cell to all eight, in a patch.
+pub const CORNERS: [usize; 8] = [
+    0,
+    1,
+    PATCH,
+    PATCH + 1,
+    PATCH * PATCH,
+    PATCH * PATCH + 1,
+    PATCH * PATCH + PATCH,
+    PATCH * PATCH + PATCH + 1,
+];
+
+/// A point that bears on nodes of a leaf.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Sample {
+    /// Where in the cell it lies, from 0 to 1 along each axis.
+    pub place: [f32; 3],
+    /// The cell's first node in the leaf's patch.
+    pub node: u32,
+    /// w.
+    pub weight: f32,
+    /// t.
+    pub target: f32,
+}
+
+/// A point in the lattice with a weight and a target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pull {
+    /// In nodes.
+    pub at: [f64; 3],
+    /// w.
+    pub weight: f32,
+    /// t, in voxels.
+    pub target: f32,
+}
+
+/// The nodes that exist where the boundary is natural: from the first up to,
+/// without, the last along each axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Domain {
+    /// The first node.
+    pub low: [i32; 3],
+    /// One beyond the last node.
+    pub high: [i32; 3],
+}
+
+/// The system. Nodes that are not free, and all other leaves, are as they are.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// Leaves with unknown nodes.
+    pub leaves: Vec<[i32; 3]>,
+    /// For each the 27 around it by index, x slowest, or [`NO_SLOT`].
+    pub neighbours: Vec<[u32; 27]>,
+    /// For each one bit a node: whether it is free.
+    pub free: Vec<[u64; 8]>,
+    /// Where the boundary is natural.
+    pub domain: Option<Domain>,
+    /// The samples, leaf by leaf; one at a leaf's border is with several.
+    pub samples: Vec<Sample>,
+    /// For each leaf where its samples begin, and the end.
+    pub starts: Vec<u32>,
+}
+
+impl System {
+    /// Of the leaves with unknown nodes, sorted, those of which `is_free` says
+    /// yes, and all pulls.
+    pub fn new(
+        leaves: Vec<[i32; 3]>,
+        is_free: impl Fn([i32; 3]) -> bool + Sync,
+        domain: Option<Domain>,
+        pulls: &[Pull],
+    ) -> Self {
+        let index = Index::new(&leaves);
+        let neighbours = leaves
+            .par_iter()
+            .map(|&leaf| {
+                let mut own = [NO_SLOT; 27];
+                around(leaf).zip(&mut own).for_each(|(leaf, own)| *own = index.of(leaf));
+                own
+            })
+            .collect();
+        let free = leaves.par_iter().map(|&leaf| free_nodes(leaf, &is_free)).collect();
+        let (samples, starts) = sorted_samples(leaves.len(), &index, pulls);
+        Self { leaves, neighbours, free, domain, samples, starts }
+    }
+
+    /// How many unknowns there are.
+    pub fn unknowns(&self) -> u64 {
+        self.free.iter().flatten().map(|word| u64::from(word.count_ones())).sum()
+    }
+
+    /// The samples that bear on a leaf.
+    pub fn samples_of(&self, leaf: usize) -> &[Sample] {
+        &self.samples[self.starts[leaf] as usize..self.starts[leaf + 1] as usize]
+    }
+
+    /// Whether the stencil of some node of a leaf reaches beyond the domain.
+    pub fn domain_near(&self, leaf: [i32; 3]) -> Option<Domain> {
+        self.domain.filter(|domain| {
+            (0..3).any(|axis| {
+                let low = leaf[axis] * SIDE;
+                low - REACH < domain.low[axis] || low + SIDE + REACH > domain.high[axis]
+            })
+        })
+    }
+}
+
+/// Where leaves are in a sorted list.
+struct Index {
+    grid: LeafGrid,
+}
+
+impl Index {
+    fn new(leaves: &[[i32; 3]]) -> Self {
+        let low = fold(leaves, i32::min);
+        let high = fold(leaves, i32::max);
+        let (low, high) = (low.map(|at| at * SIDE), high.map(|at| at * SIDE + SIDE));
+        Self { grid: LeafGrid::indexed(low, high, leaves) }
+    }
+
+    fn of(&self, leaf: [i32; 3]) -> u32 {
+        self.grid.slot(leaf)
+    }
+}
+
+fn fold(leaves: &[[i32; 3]], choose: impl Fn(i32, i32) -> i32) -> [i32; 3] {
+    let first = leaves.first().copied().unwrap_or_default();
+    leaves
+        .iter()
+        .fold(first, |one, other| std::array::from_fn(|axis| choose(one[axis], other[axis])))
+}
+
+fn free_nodes(leaf: [i32; 3], is_free: &impl Fn([i32; 3]) -> bool) -> [u64; 8] {
+    let mut bits = [0; 8];
+    for node in 0..LEAF_NODES {
+        let offset = [node / 64, node / 8 % 8, node % 8];
+        let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
+        bits[node / 64] |= u64::from(is_free(at)) << (node % 64);
+    }
+    bits
+}
+
+/// Every pull with each leaf that it bears on, in the order of the leaves, and
+/// where each leaf's begin.
+fn sorted_samples(leaves: usize, index: &Index, pulls: &[Pull]) -> (Vec<Sample>, Vec<u32>) {
+    let bearings = |pull: &Pull| {
+        let low = pull.at.map(|along| along.floor() as i32);
+        let high = leaf_of(low.map(|along| along + 1));
+        let low = leaf_of(low);
+        let range = move |axis: usize| low[axis]..=high[axis];
+        let leaves = range(0)
+            .flat_map(move |x| range(1).flat_map(move |y| range(2).map(move |z| [x, y, z])));
+        leaves.filter(|&leaf| index.of(leaf) != NO_SLOT).collect::<Vec<_>>()
+    };
+    let bearings: Vec<Vec<[i32; 3]>> = pulls.par_iter().map(bearings).collect();
+    let mut starts = vec![0u32; leaves + 1];
+    for leaf in bearings.iter().flatten() {
+        starts[index.of(*leaf) as usize + 1] += 1;
+    }
+    for leaf in 0..leaves {
+        starts[leaf + 1] += starts[leaf];
+    }
+    let mut next = starts.clone();
+    let mut samples = vec![Sample::zeroed(); starts[leaves] as usize];
+    for (pull, leaves) in pulls.iter().zip(&bearings) {
+        for &leaf in leaves {
+            let place = &mut next[index.of(leaf) as usize];
+            samples[*place as usize] = Sample::new(pull, leaf);
+            *place += 1;
+        }
+    }
+    (samples, starts)
+}
+
+impl Sample {
+    fn new(pull: &Pull, leaf: [i32; 3]) -> Self {
+        let low = pull.at.map(f64::floor);
+        let place = std::array::from_fn(|axis| (pull.at[axis] - low[axis]) as f32);
+        let [x, y, z] =
+            std::array::from_fn(|axis| (low[axis] as i32 - leaf[axis] * SIDE + REACH) as usize);
+        let node = ((x * PATCH + y) * PATCH + z) as u32;
+        Self { place, node, weight: pull.weight, target: pull.target }
+    }
+
+    /// The weights of the cell's eight corners, in the order of [`CORNERS`].
+    #[inline(always)]
+    pub fn shares(&self) -> [f32; 8] {
+        let [x, y, z] = self.place.map(|high| [1.0 - high, high]);
+        std::array::from_fn(|corner| x[corner >> 2] * y[corner >> 1 & 1] * z[corner & 1])
+    }
+}
+
+/// The coefficients of δxxᵀ δxx along an axis, for a leaf's nodes, from two before
+/// to two after.
+pub type Second = [[f32; 5]; LEAF_SIDE];
+/// The coefficients of δxᵀ δx, from one before to one after.
+pub type First = [[f32; 3]; LEAF_SIDE];
+
+/// The coefficients for the nodes from `start` on, where those in `exists` exist.
+pub fn coefficients(start: i32, exists: Range<i32>) -> (Second, First) {
+    let (mut second, mut first) = ([[0.0; 5]; LEAF_SIDE], [[0.0; 3]; LEAF_SIDE]);
+    for node in 0..LEAF_SIDE {
+        let at = start + node as i32;
+        if !exists.contains(&at) {
+            continue;
+        }
+        for middle in at - 1..=at + 1 {
+            if exists.contains(&(middle - 1)) && exists.contains(&(middle + 1)) {
+                let own = if middle == at { -2.0 } else { 1.0 };
+                for (step, factor) in [(-1, 1.0), (0, -2.0), (1, 1.0)] {
+                    second[node][(middle + step - at + 2) as usize] += own * factor;
+                }
+            }
+        }
+        for step in [-1, 1] {
+            if exists.contains(&(at + step)) {
+                first[node][1] += 1.0;
+                first[node][(1 + step) as usize] -= 1.0;
+            }
+        }
+    }
+    (second, first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inside_the_coefficients_are_those_of_the_stencil() {
+        let (second, first) = coefficients(0, -10..20);
+        assert_eq!(second, [[1.0, -4.0, 6.0, -4.0, 1.0]; 8]);
+        assert_eq!(first, [[-1.0, 2.0, -1.0]; 8]);
+        // 3 · 6 + 2 · 3 · 2 · 2 = 42, and −4 + 2 · 2 · (−1 · 2) = −12.
+        assert_eq!(3.0 * second[0][2] + 6.0 * first[0][1] * first[0][1], 42.0);
+        assert_eq!(second[0][1] + 4.0 * first[0][0] * first[0][1], -12.0);
+    }
+
+    #[test]
+    fn at_a_natural_end_linear_functions_cost_nothing() {
+        let (second, first) = coefficients(0, 1..6);
+        assert_eq!(second[0], [0.0; 5]);
+        assert_eq!(second[1], [0.0, 0.0, 1.0, -2.0, 1.0]);
+        assert_eq!(second[2], [0.0, -2.0, 5.0, -4.0, 1.0]);
+        assert_eq!(first[1], [0.0, 1.0, -1.0]);
+        for (node, row) in second.iter().enumerate() {
+            let value = |step: usize| (node + step) as f32 - 2.0;
+            let sum: f32 = row.iter().enumerate().map(|(step, by)| by * value(step)).sum();
+            assert_eq!(sum, 0.0, "node {node}");
+        }
+        assert!(first.iter().all(|row| row.iter().sum::<f32>() == 0.0));
+    }
+
+    #[test]
+    fn a_sample_at_a_border_bears_on_all_leaves_around() {
+        let leaves = vec![[0, 0, 0], [0, 0, 1], [1, 0, 0]];
+        let pull = |at| Pull { at, weight: 2.0, target: 1.0 };
+        let pulls = [pull([3.25, 4.5, 7.5]), pull([1.0, 1.0, 1.0]), pull([7.5, 0.0, 7.0])];
+        let system = System::new(leaves, |_| true, None, &pulls);
+        // The second one's cell is within the first leaf; the third one's reaches all.
+        assert_eq!(system.starts, [0, 3, 5, 6]);
+        let [first, ..] = system.samples_of(1) else { panic!() };
+        // Its cell begins at (3, 4, 7): in the patch of leaf (0, 0, 1), which begins at
+        // (−2, −2, 6), that is (5, 6, 1).
+        assert_eq!(first.node as usize, (5 * 12 + 6) * 12 + 1);
+        let shares = first.shares();
+        assert_eq!(shares[0], 0.75 * 0.5 * 0.5);
+        assert_eq!(shares[7], 0.25 * 0.5 * 0.5);
+        assert_eq!(system.unknowns(), 3 * 512);
+        assert_eq!(system.neighbours[0][14], 1);
+        assert_eq!(system.neighbours[0][22], 2);
+        assert_eq!(system.neighbours[0][4], NO_SLOT);
+    }
+}
