@@ -9,6 +9,7 @@ mod overlay;
 mod rectangle;
 mod regions;
 mod sections;
+mod stack;
 mod subdivision;
 #[cfg(test)]
 mod tests;
@@ -27,6 +28,7 @@ pub use agreement::Disagreement;
 pub(crate) use extent::COVERED;
 pub use rectangle::Rectangle;
 pub use regions::Region;
+pub use stack::Stack;
 
 /// An edge of a section's planar graph, with a label on either side as seen
 /// with the plane's normal pointing at the viewer.
