@@ -6,7 +6,7 @@ use std::path::Path;
 use super::args::{BorderName, MesherName, MethodName, ReconstructArguments};
 use super::bars::Watcher;
 use super::targets::{Kind, Target};
-use super::{print_warnings, table, write_json};
+use super::{print_found, print_warnings, table, write_json};
 use crate::change::Change;
 use crate::check::{self, check};
 use crate::error::{Error, Result};
@@ -63,8 +63,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         let self_intersections =
             matches!(model.options().mesher, Mesher::Delaunay(_)) || derived.exact.is_some();
         let options = check::Options { open, self_intersections };
-        let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
-        check(&model.sections().sections, mesh, lattice, options, watcher.progress())
+        let Derived { mesh, samples, .. } = derived;
+        check(&model.sections().sections, mesh, samples, options, watcher.progress())
     })?;
 
     if !checked.is_sound() {
@@ -100,6 +100,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     watcher.finish();
     outputs.commit()?;
     if !arguments.quiet {
+        print_found(&report.check.warnings(&report.materials));
         table::print(&report);
     }
     Ok(())

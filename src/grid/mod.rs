@@ -13,6 +13,7 @@ pub mod labels;
 pub mod lattice;
 mod locate;
 pub mod memory;
+pub(crate) mod runs;
 pub mod samples;
 pub mod sampling;
 pub mod smoothing;
