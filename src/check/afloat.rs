@@ -1,5 +1,6 @@
 //! Pieces of a solid that hang in the air: no section shows them.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::components::{Components, Part};
@@ -39,26 +40,11 @@ pub fn afloat(
     labels: &[Label],
     voxel: f64,
 ) -> Vec<Afloat> {
+    let shown: Vec<Vec<u32>> = (sections.par_iter().zip(rasters))
+        .map(|(section, raster)| shown_parts(section, raster, whole, voxel))
+        .collect();
     let mut is_shown = vec![false; whole.count()];
-    let mut show = |label: Label, point| {
-        for (kind, part) in whole.around(point) {
-            is_shown[part as usize] |= kind.label == label;
-        }
-    };
-    for raster in rasters {
-        raster.pixels().for_each(|(_, label, point)| show(label, point));
-    }
-    // What is narrower than a pixel may have none.
-    for section in sections {
-        for edge in section.edges() {
-            let [start, end] = [edge.start, edge.end].map(|vertex| section.point(vertex));
-            let steps = (start.distance(end) / voxel).ceil().max(1.0);
-            for step in 0..=steps as u32 {
-                let point = start.lerp(end, f64::from(step) / steps);
-                [edge.left, edge.right].into_iter().for_each(|label| show(label, point));
-            }
-        }
-    }
+    shown.into_iter().flatten().for_each(|part| is_shown[part as usize] = true);
     let mut found = vec![Afloat::default(); labels.len()];
     for (Part { label, nodes, at }, is_shown) in whole.parts().into_iter().zip(is_shown) {
         let Ok(own) = labels.binary_search(&label) else { continue };
@@ -68,6 +54,29 @@ pub fn afloat(
         }
     }
     found
+}
+
+/// The parts of which a section has a piece of a region.
+fn shown_parts(section: &Section, raster: &Raster, whole: &Components, voxel: f64) -> Vec<u32> {
+    let mut parts = Vec::new();
+    let mut show = |label: Label, point| {
+        for (kind, part) in whole.around(point) {
+            if kind.label == label && parts.last() != Some(&part) {
+                parts.push(part);
+            }
+        }
+    };
+    raster.pixels().for_each(|(_, label, point)| show(label, point));
+    // What is narrower than a pixel may have none.
+    for edge in section.edges() {
+        let [start, end] = [edge.start, edge.end].map(|vertex| section.point(vertex));
+        let steps = (start.distance(end) / voxel).ceil().max(1.0);
+        for step in 0..=steps as u32 {
+            let point = start.lerp(end, f64::from(step) / steps);
+            [edge.left, edge.right].into_iter().for_each(|label| show(label, point));
+        }
+    }
+    parts
 }
 
 impl Afloat {

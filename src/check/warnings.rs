@@ -44,22 +44,15 @@ fn beads(label: &LabelCheck) -> Option<String> {
 }
 
 fn torn(label: &LabelCheck) -> Option<String> {
-    let torn: Vec<String> = label
-        .passages
-        .iter()
-        .flat_map(|passage| {
-            let [one, other] = &passage.sections;
-            let place = move |at: &[f64; 3]| format!("{} ({one} to {other})", place(*at));
-            passage.torn.iter().map(place)
-        })
-        .collect();
-    let count = torn.len();
-    (count > 0).then(|| {
-        let bodies = if count == 1 { "a place" } else { "places" };
+    let mut places = Vec::new();
+    for passage in &label.passages {
+        let [one, other] = &passage.sections;
+        places.extend(passage.torn.iter().map(|&at| format!("{} ({one} to {other})", place(at))));
+    }
+    (!places.is_empty()).then(|| {
         format!(
-            "its regions on neighbouring sections lie over each other and the solid does not \
-             connect them in {bodies}: {}",
-            listed(&torn, count)
+            "it is torn between neighbouring sections whose regions lie over each other: at {}",
+            listed(&places, places.len())
         )
     })
 }
@@ -76,8 +69,13 @@ fn afloat(label: &LabelCheck) -> Option<String> {
     })
 }
 
-fn place([x, y, z]: [f64; 3]) -> String {
-    format!("({x:.4}, {y:.4}, {z:.4})")
+/// To a ten-thousandth of its greatest coordinate: enough to go there.
+fn place(at: [f64; 3]) -> String {
+    let size = at.iter().fold(0.0, |size: f64, at| size.max(at.abs()));
+    let digits = (4.0 - size.max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 12.0);
+    let unit = 10f64.powf(digits);
+    let [x, y, z] = at.map(|at| (at * unit).round() / unit);
+    format!("({x}, {y}, {z})")
 }
 
 /// The first of so many.
@@ -88,4 +86,70 @@ fn listed(all: &[String], count: usize) -> String {
         rest => format!(" and {rest} more"),
     };
     format!("{}{rest}", shown.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::afloat::{Afloat, Piece};
+    use crate::check::contour::Unreached;
+    use crate::check::passage::Passage;
+    use crate::check::ripple::Ripple;
+    use crate::mesh::facts::Facts;
+
+    /// A label with nothing to warn of.
+    fn sound() -> LabelCheck {
+        let facts = Facts {
+            closed: true,
+            outward: true,
+            volume: 1.0,
+            area: 1.0,
+            components: 1,
+            cavities: 0,
+            genus: 0,
+            triangles: 4,
+            self_intersections: None,
+        };
+        LabelCheck {
+            label: 3,
+            facts,
+            open_edges: 0,
+            open_at_box: true,
+            cavalieri: None,
+            passages: Vec::new(),
+            afloat: Afloat::default(),
+            ripple: None,
+            unreached: Unreached::default(),
+        }
+    }
+
+    #[test]
+    fn beads_are_told_from_shapes_that_lean() {
+        let with = |at_sections, between| {
+            let ripple = Some(Ripple { at_sections, between });
+            beads(&LabelCheck { ripple, ..sound() })
+        };
+        assert_eq!(beads(&sound()), None);
+        assert_eq!(with(20.0, 20.0 + 0.9 * BEADS), None);
+        assert_eq!(with(30.0, 10.0), None);
+        assert!(with(4.0, 4.0 + 1.1 * BEADS).is_some());
+    }
+
+    #[test]
+    fn tears_and_pieces_are_named_by_their_places() {
+        assert_eq!((torn(&sound()), afloat(&sound())), (None, None));
+        let passage = |torn| {
+            let sections = ["7".to_owned(), "8".to_owned()];
+            Passage { sections, begin: 1, end: 1, torn }
+        };
+        let label = LabelCheck { passages: vec![passage(Vec::new())], ..sound() };
+        assert_eq!(torn(&label), None, "to begin and end is no tear");
+        let label = LabelCheck { passages: vec![passage(vec![[1.0, 2.0, 3.0]; 5])], ..sound() };
+        let what = torn(&label).expect("a tear");
+        assert!(what.contains("(1, 2, 3) (7 to 8)") && what.ends_with("and 2 more"), "{what}");
+        let largest = vec![Piece { volume: 1.0, at: [0.0, 0.25, -1.5] }];
+        let afloat =
+            afloat(&LabelCheck { afloat: Afloat { pieces: 1, volume: 1.0, largest }, ..sound() });
+        assert!(afloat.expect("a piece").ends_with("near (0, 0.25, -1.5)"));
+    }
 }
