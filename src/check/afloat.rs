@@ -1,21 +1,11 @@
-//! Pieces of a solid that hang in the air: no section shows them.
+//! Pieces of a label that hang in the air: no section passes through them.
 
-use rayon::prelude::*;
+use glam::DVec3;
 use serde::Serialize;
 
-use super::components::{Components, Part};
-use super::raster::Raster;
-use crate::label::Label;
+use crate::mesh::Surface;
+use crate::mesh::sets::Sets;
 use crate::section::Section;
-
-/// A connected piece of a label that no section has a region of.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Piece {
-    /// Its nodes times a voxel, in cubic world units.
-    pub volume: f64,
-    /// A place in it.
-    pub at: [f64; 3],
-}
 
 /// How many pieces are listed.
 const LISTED: usize = 8;
@@ -31,55 +21,30 @@ pub struct Afloat {
     pub largest: Vec<Piece>,
 }
 
-/// The pieces of each label that hang in the air. `labels` are sorted; `whole`
-/// are the solid's parts; `voxel` in world units.
-pub fn afloat(
-    sections: &[Section],
-    rasters: &[Raster],
-    whole: &Components,
-    labels: &[Label],
-    voxel: f64,
-) -> Vec<Afloat> {
-    let shown: Vec<Vec<u32>> = (sections.par_iter().zip(rasters))
-        .map(|(section, raster)| shown_parts(section, raster, whole, voxel))
-        .collect();
-    let mut is_shown = vec![false; whole.count()];
-    shown.into_iter().flatten().for_each(|part| is_shown[part as usize] = true);
-    let mut found = vec![Afloat::default(); labels.len()];
-    for (Part { label, nodes, at }, is_shown) in whole.parts().into_iter().zip(is_shown) {
-        let Ok(own) = labels.binary_search(&label) else { continue };
-        if !is_shown {
-            let volume = nodes as f64 * voxel.powi(3);
-            found[own].add(Piece { volume, at: at.to_array() });
-        }
-    }
-    found
-}
-
-/// The parts of which a section has a piece of a region.
-fn shown_parts(section: &Section, raster: &Raster, whole: &Components, voxel: f64) -> Vec<u32> {
-    let mut parts = Vec::new();
-    let mut show = |label: Label, point| {
-        for (kind, part) in whole.around(point) {
-            if kind.label == label && parts.last() != Some(&part) {
-                parts.push(part);
-            }
-        }
-    };
-    raster.pixels().for_each(|(_, label, point)| show(label, point));
-    // What is narrower than a pixel may have none.
-    for edge in section.edges() {
-        let [start, end] = [edge.start, edge.end].map(|vertex| section.point(vertex));
-        let steps = (start.distance(end) / voxel).ceil().max(1.0);
-        for step in 0..=steps as u32 {
-            let point = start.lerp(end, f64::from(step) / steps);
-            [edge.left, edge.right].into_iter().for_each(|label| show(label, point));
-        }
-    }
-    parts
+/// A connected piece of a surface that no section's plane passes through.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Piece {
+    /// In cubic world units.
+    pub volume: f64,
+    /// The middle of its vertices.
+    pub at: [f64; 3],
 }
 
 impl Afloat {
+    /// Of a label's surface. Cavities are no pieces.
+    pub fn new(surface: &Surface, sections: &[Section]) -> Self {
+        let mut own = Self::default();
+        for triangles in pieces(surface) {
+            if !is_passed(surface, &triangles, sections) {
+                let piece = measured(surface, &triangles);
+                if piece.volume > 0.0 {
+                    own.add(piece);
+                }
+            }
+        }
+        own
+    }
+
     fn add(&mut self, piece: Piece) {
         self.pieces += 1;
         self.volume += piece.volume;
@@ -90,45 +55,90 @@ impl Afloat {
     }
 }
 
+/// The triangles of each connected piece.
+fn pieces(surface: &Surface) -> Vec<Vec<u32>> {
+    let mut sets = Sets::new(surface.vertices.len());
+    for &[a, b, c] in &surface.triangles {
+        sets.join(a, b);
+        sets.join(b, c);
+    }
+    let mut number = vec![u32::MAX; surface.vertices.len()];
+    let mut pieces: Vec<Vec<u32>> = Vec::new();
+    for (triangle, corners) in surface.triangles.iter().enumerate() {
+        let own = &mut number[sets.root(corners[0]) as usize];
+        if *own == u32::MAX {
+            *own = pieces.len() as u32;
+            pieces.push(Vec::new());
+        }
+        pieces[*own as usize].push(triangle as u32);
+    }
+    pieces
+}
+
+/// Whether a piece has vertices on both sides of a section's plane, or on it.
+fn is_passed(surface: &Surface, triangles: &[u32], sections: &[Section]) -> bool {
+    sections.iter().any(|section| {
+        let mut sides = [false; 2];
+        triangles.iter().any(|&triangle| {
+            for corner in surface.corners(triangle as usize) {
+                let height = section.plane().distance(corner);
+                sides = [sides[0] || height <= 0.0, sides[1] || height >= 0.0];
+            }
+            sides == [true; 2]
+        })
+    })
+}
+
+fn measured(surface: &Surface, triangles: &[u32]) -> Piece {
+    let corners: Vec<[DVec3; 3]> =
+        triangles.iter().map(|&triangle| surface.corners(triangle as usize)).collect();
+    let middle = corners.iter().flatten().sum::<DVec3>() / (3 * corners.len()) as f64;
+    let cone = |corners: &[DVec3; 3]| {
+        let [a, b, c] = corners.map(|corner| corner - middle);
+        a.dot(b.cross(c)) / 6.0
+    };
+    Piece { volume: corners.iter().map(cone).sum(), at: middle.to_array() }
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
-    use crate::check::shapes::disc;
-    use crate::grid::labels::LabelGrid;
-    use crate::grid::samples::Lattice;
-    use crate::mesh::shapes::samples;
+    use crate::check::shapes::section;
+    use crate::label::Label;
+    use crate::mesh::shapes::solid;
     use crate::plane::Plane;
+
+    fn plane(normal: DVec3, offset: f64) -> Section {
+        section(Plane { normal, offset }, &[], Label::OUTSIDE)
+    }
 
     #[test]
     fn a_ball_between_sections_hangs_in_the_air() {
-        // Two balls of radius 0.3; the planes pass z = −0.4 and x = 0.
+        // Two balls of radius 0.3; planes pass z = −0.4, through the first, and
+        // x = 0, or x = 0.3, which passes through the second, too.
         let at = [DVec3::new(0.0, 0.0, -0.5), DVec3::new(0.5, 0.5, 0.4)];
-        let voxel = 0.05;
-        let lattice = Lattice { origin: DVec3::splat(-1.0), voxel, dims: [41; 3] };
-        let inside = |point: DVec3| at.iter().any(|&at| (point - at).length() < 0.3);
-        let value = |node| vec![if inside(lattice.position(node)) { 0.5 } else { -0.5 }];
-        let whole = Components::whole(&LabelGrid::new(&samples(lattice, value)));
-        let found = |label| {
-            let sections = [
-                disc(Plane { normal: DVec3::Z, offset: -0.4 }, 0.28, 60, label),
-                disc(Plane { normal: DVec3::X, offset: 0.0 }, 0.01, 60, label),
-            ];
-            let raster = |section: &Section| {
-                Raster::new(section, section.plane().unit_normal(), lattice.origin, voxel)
-            };
-            let rasters: Vec<Raster> = sections.iter().map(raster).collect();
-            afloat(&sections, &rasters, &whole, &[Label(1), Label(2)], voxel)
+        let balls = |point: DVec3| {
+            let [one, other] = at.map(|at| 0.3 - (point - at).length());
+            one.max(other)
         };
-        let [one, two] = &found(Label(1))[..] else { panic!("two labels") };
-        let [piece] = &one.largest[..] else { panic!("{one:?}") };
+        let surface = solid(61, 1.0, balls).surface(Label(1));
+        let floor = plane(DVec3::Z, -0.4);
+        let found = Afloat::new(&surface, &[floor.clone(), plane(DVec3::X, 0.0)]);
+        let [piece] = found.largest[..] else { panic!("{found:?}") };
         let volume = 4.0 / 3.0 * std::f64::consts::PI * 0.027;
-        assert!((piece.volume / volume - 1.0).abs() < 0.05, "{}", piece.volume);
-        assert!((DVec3::from(piece.at) - at[1]).length() < 0.2);
-        assert_eq!((one.pieces, one.volume), (1, piece.volume));
-        assert_eq!(two, &Afloat::default());
-        // Sections of another label show neither.
-        assert_eq!(found(Label(2))[0].pieces, 2);
+        assert!((piece.volume / volume - 1.0).abs() < 0.02, "{}", piece.volume);
+        assert!((DVec3::from(piece.at) - at[1]).length() < 0.01);
+        assert_eq!((found.pieces, found.volume), (1, piece.volume));
+        let passed = Afloat::new(&surface, &[floor, plane(DVec3::X, 0.3)]);
+        assert_eq!(passed, Afloat::default());
+        assert_eq!(Afloat::new(&surface, &[]).pieces, 2);
+    }
+
+    #[test]
+    fn a_cavity_between_sections_is_no_piece() {
+        // A shell between the radii 0.3 and 0.8; a plane passes between them.
+        let shell = solid(61, 1.0, |point| 0.25 - (point.length() - 0.55).abs());
+        let surface = shell.surface(Label(1));
+        assert_eq!(Afloat::new(&surface, &[plane(DVec3::Z, 0.5)]), Afloat::default());
     }
 }

@@ -1,5 +1,5 @@
-//! The connected parts of a solid's materials on its lattice, whole or between
-//! the sections of a stack.
+//! The connected parts of a solid's materials on its lattice between the
+//! sections of a stack.
 
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ use crate::section::Stack;
 pub struct Kind {
     /// The material.
     pub label: Label,
-    /// How many sections of the stack lie below; 0 without a stack.
+    /// How many sections of the stack lie below.
     pub slab: u32,
 }
 
@@ -27,24 +27,8 @@ pub struct Components {
     part_of: Vec<u32>,
 }
 
-/// A part as a whole.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part {
-    /// Its material.
-    pub label: Label,
-    /// How many nodes it has.
-    pub nodes: u64,
-    /// The middle of its longest run of nodes.
-    pub at: DVec3,
-}
-
 impl Components {
-    /// The parts of the whole solid.
-    pub fn whole(labels: &LabelGrid) -> Self {
-        Self::of(labels, |_, run, runs| runs.push(run))
-    }
-
-    /// Its parts between neighbouring sections.
+    /// The solid's parts between neighbouring sections.
     pub fn between(labels: &LabelGrid, stack: &Stack) -> Self {
         let lattice = labels.lattice;
         let step = stack.direction.z * lattice.voxel;
@@ -73,26 +57,6 @@ impl Components {
     /// How many parts there are.
     pub fn count(&self) -> usize {
         self.part_of.iter().max().map_or(0, |&last| last as usize + 1)
-    }
-
-    /// All parts, by number.
-    pub fn parts(&self) -> Vec<Part> {
-        let mut longest: Vec<usize> = vec![usize::MAX; self.count()];
-        let mut nodes = vec![0; self.count()];
-        for (index, (run, &part)) in self.runs.runs.iter().zip(&self.part_of).enumerate() {
-            nodes[part as usize] += run.len();
-            let best = &mut longest[part as usize];
-            if *best == usize::MAX || run.len() > self.runs.runs[*best].len() {
-                *best = index;
-            }
-        }
-        let part = |(index, nodes): (usize, u64)| {
-            let run = &self.runs.runs[index];
-            let [x, y] = self.runs.row_of(index).map(|at| at as i32);
-            let at = self.lattice.position([x, y, run.start.midpoint(run.end)]);
-            Part { label: run.label.label, nodes, at }
-        };
-        longest.into_iter().zip(nodes).map(part).collect()
     }
 
     /// The parts of the nodes at the corners of a point's voxel.
@@ -198,16 +162,16 @@ mod tests {
         };
         let samples = samples(lattice, |node| vec![if inside(node) { 0.5 } else { -0.5 }]);
         let labels = LabelGrid::new(&samples);
-        let whole = Components::whole(&labels);
-        let nodes: Vec<u64> = whole.parts().iter().map(|part| part.nodes).collect();
-        assert_eq!(nodes, [320, 27]);
         // Node z is at −1 + z/2: sections between nodes 8 and 9, 14 and 15, 27 and
         // 28, the last beyond the bar.
         let sections = [3.25, 6.25, 12.75]
             .map(|z| section(Plane { normal: DVec3::Z, offset: z }, &[], Label::OUTSIDE));
         let stack = Stack::new(&sections).expect("they are parallel");
         let parts = Components::between(&labels, &stack);
-        let nodes: Vec<u64> = parts.parts().iter().map(|part| part.nodes).collect();
+        let mut nodes = vec![0; parts.count()];
+        for (run, &part) in parts.runs.runs.iter().zip(&parts.part_of) {
+            nodes[part as usize] += run.len();
+        }
         assert_eq!(nodes, [16 * 5, 16 * 6, 16 * 9, 27]);
         // At the lowest section both sides are seen, in the bar's middle.
         let found: Vec<(u32, u32)> = parts

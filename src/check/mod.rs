@@ -30,7 +30,7 @@ use crate::mesh::{Mesh, Surface};
 use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::{Section, Stack};
-use afloat::{Afloat, afloat};
+use afloat::Afloat;
 use cavalieri::Cavalieri;
 use components::Components;
 use contour::{Contours, Unreached};
@@ -128,7 +128,7 @@ pub struct LabelCheck {
     /// Where regions begin and end between neighbouring sections of a stack, or
     /// are torn.
     pub passages: Vec<Passage>,
-    /// Pieces that no section shows.
+    /// Pieces that no section passes through.
     pub afloat: Afloat,
     /// Whether the surface ripples in step with the sections.
     pub ripple: Option<Ripple>,
@@ -167,15 +167,16 @@ pub fn check(
     let support = support(used, sections, lattice.voxel);
     progress.advance(1);
     let stack = Stack::new(sections);
-    let solids = solids(sections, stack.as_ref(), samples, &labels);
+    let passages = passages_of(sections, stack.as_ref(), samples, &labels);
     let ripples = ripples(used, sections, &labels, lattice.voxel);
     progress.advance(1);
     let labels: Vec<LabelCheck> = labels
         .par_iter()
-        .zip(solids)
+        .zip(passages)
         .zip(ripples)
-        .map(|((&label, Solid { afloat, passages }), ripple)| {
-            let facts = mesh.surface(label).facts(options.self_intersections)?;
+        .map(|((&label, passages), ripple)| {
+            let surface = mesh.surface(label);
+            let facts = surface.facts(options.self_intersections)?;
             progress.advance(1);
             let stack = stack.as_ref();
             let cavalieri = |stack| Cavalieri::new(stack, sections, label, facts.volume);
@@ -186,7 +187,7 @@ pub fn check(
                 open_edges: 0,
                 open_at_box: true,
                 passages,
-                afloat,
+                afloat: Afloat::new(&surface, sections),
                 ripple,
                 unreached: contours.unreached.get(&label).copied().unwrap_or_default(),
             };
@@ -220,39 +221,22 @@ impl StackCheck {
     }
 }
 
-/// How a label hangs together.
-struct Solid {
-    afloat: Afloat,
-    passages: Vec<Passage>,
-}
-
-/// How each label hangs together in the solid that samples show.
-fn solids(
+/// What becomes of each label's regions between the sections of a stack, in
+/// the solid that samples show.
+fn passages_of(
     sections: &[Section],
     stack: Option<&Stack>,
     samples: &Samples,
     labels: &[Label],
-) -> Vec<Solid> {
+) -> Vec<Vec<Passage>> {
+    let Some(stack) = stack else { return vec![Vec::new(); labels.len()] };
     let Lattice { origin, voxel, .. } = samples.lattice;
-    let grid = LabelGrid::new(samples);
     let rasters: Vec<Raster> = sections
         .par_iter()
-        .map(|section| {
-            let own = || section.plane().unit_normal();
-            let direction = stack.map_or_else(own, |stack| stack.direction);
-            Raster::new(section, direction, origin, voxel)
-        })
+        .map(|section| Raster::new(section, stack.direction, origin, voxel))
         .collect();
-    let afloat = || afloat(sections, &rasters, &Components::whole(&grid), labels, voxel);
-    let passages = || match stack {
-        Some(stack) => {
-            passages(stack, sections, &Components::between(&grid, stack), &rasters, labels)
-        }
-        None => vec![Vec::new(); labels.len()],
-    };
-    let (afloat, passages) = rayon::join(afloat, passages);
-    let solid = |(afloat, passages)| Solid { afloat, passages };
-    afloat.into_iter().zip(passages).map(solid).collect()
+    let parts = Components::between(&LabelGrid::new(samples), stack);
+    passages(stack, sections, &parts, &rasters, labels)
 }
 
 impl LabelCheck {

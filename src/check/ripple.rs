@@ -19,7 +19,7 @@ use crate::section::Section;
 /// How near to a section counts as at it: an eighth of the gap.
 const NEAR: f64 = 0.125;
 /// Gaps of fewer voxels are left out: what is at a section would be less than
-/// a voxel, where the mesh's triangles say little.
+/// two voxels thick, where the mesh's triangles say little.
 const NARROW: f64 = 8.0;
 /// So much of the surface must be at sections, and so much away from them, for
 /// the figure to mean anything: as a share of the whole.
