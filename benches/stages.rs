@@ -114,8 +114,8 @@ fn reconstruct(
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
     stages.run("check", |_| {
         let options = check::Options::default();
-        let lattice = &derived.samples.lattice;
-        check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
+        let samples = &derived.samples;
+        check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
     })?;
     print!("{:<22}", name(file));
     STAGES.iter().for_each(|stage| print!("{:>12.3}", stages.seconds_of(stage)));

@@ -28,8 +28,8 @@ fn reconstruct(sections: Sections, voxels: u32, spacing: Option<f64>) -> Check {
     model.apply(change, &Rules::default(), &mut stages, &Silent).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
     let options = CheckOptions::default();
-    let lattice = &derived.samples.lattice;
-    let check = check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
+    let samples = &derived.samples;
+    let check = check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
         .expect("it can be checked");
     assert!(check.is_sound());
     check

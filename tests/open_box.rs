@@ -46,7 +46,7 @@ fn checked(model: &Model, caps: bool) -> check::Check {
     let Derived { mesh, samples, .. } = model.derived().expect("something was derived");
     let options =
         check::Options { open: samples.open.filter(|_| !caps), ..check::Options::default() };
-    check(&model.sections().sections, mesh, &samples.lattice, options, &Silent).expect("a check")
+    check(&model.sections().sections, mesh, samples, options, &Silent).expect("a check")
 }
 
 #[test]

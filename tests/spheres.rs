@@ -187,9 +187,9 @@ fn all_domains_of_four_balls_come_back() {
     let (rules, mut stages) = (Rules::default(), Stages::default());
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).unwrap();
     let derived = model.derived().unwrap();
-    let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
+    let (mesh, samples) = (&derived.mesh, &derived.samples);
     let options = check::Options::default();
-    let found = check(&model.sections().sections, mesh, lattice, options, &Silent).unwrap();
+    let found = check(&model.sections().sections, mesh, samples, options, &Silent).unwrap();
 
     assert_eq!(mesh.labels(), (1..16).map(Label).collect::<Vec<_>>());
     assert_eq!(found.labels.len(), 15);

@@ -25,14 +25,9 @@ fn reconstruct(sections: &[String], voxels: u32) -> Check {
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
     let options = CheckOptions::default();
-    let check = check(
-        &model.sections().sections,
-        &derived.mesh,
-        &derived.samples.lattice,
-        options,
-        &Silent,
-    )
-    .expect("it can be checked");
+    let check =
+        check(&model.sections().sections, &derived.mesh, &derived.samples, options, &Silent)
+            .expect("it can be checked");
     assert!(check.is_sound());
     check
 }

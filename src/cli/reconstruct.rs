@@ -7,7 +7,7 @@ use super::args::ReconstructArguments;
 use super::bars::Watcher;
 use super::method::method;
 use super::targets::{Kind, Target};
-use super::{print_warnings, table, write_json};
+use super::{print_found, print_warnings, table, write_json};
 use crate::change::Change;
 use crate::check::{self, check};
 use crate::error::{Error, Result};
@@ -65,8 +65,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         // Cheap for the delaunay mesher's fewer triangles, and promised.
         let self_intersections = !matches!(model.options().method.mesher(), Some(Mesher::Dual));
         let options = check::Options { open, self_intersections };
-        let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
-        check(&model.sections().sections, mesh, lattice, options, watcher.progress())
+        let Derived { mesh, samples, .. } = derived;
+        check(&model.sections().sections, mesh, samples, options, watcher.progress())
     })?;
 
     if !checked.is_sound() {
@@ -102,6 +102,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     watcher.finish();
     outputs.commit()?;
     if !arguments.quiet {
+        print_found(&report.check.warnings(&report.materials));
         table::print(&report);
     }
     Ok(())
