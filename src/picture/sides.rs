@@ -105,7 +105,8 @@ mod tests {
     use super::*;
     use crate::label::Label;
     use crate::plane::Plane;
-    use crate::section::{Loop, Rules, Section};
+    use crate::section::{Edge, Section};
+    use glam::DVec2;
 
     fn in_frame(frame: &str) -> Sides {
         Sides::of(&Sections { frame: frame.to_owned(), ..Sections::default() })
@@ -113,18 +114,23 @@ mod tests {
 
     /// Squares of side 2 on two planes normal to an axis, a distance apart.
     fn pile_of_two(axis: usize, apart: f64) -> Sections {
-        let [normal, one, other] = [0, 1, 2].map(|turn| DVec3::AXES[(axis + turn) % 3]);
-        let section = |height: f64| {
-            let corner = |a: f64, b: f64| height * normal + a * one + b * other;
-            let points =
-                vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-            let square = Loop { points, label: Label(1), hole_of: None };
-            let plane = Plane { normal, offset: height };
-            let rules = Rules::default();
-            Section::from_loops("square", plane, &[square], 3.0, &rules).expect("a section").0
+        let square = |height: f64| Section {
+            name: format!("at {height}"),
+            plane: Plane { normal: DVec3::AXES[axis], offset: height },
+            vertices: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+                .map(DVec2::from_array)
+                .to_vec(),
+            edges: (0..4)
+                .map(|start| Edge {
+                    start,
+                    end: (start + 1) % 4,
+                    left: Label(1),
+                    right: Label::OUTSIDE,
+                })
+                .collect(),
+            background: Label::OUTSIDE,
         };
-        let sections = vec![section(0.0), section(apart)];
-        Sections::new(sections, &Rules::default()).expect("sections")
+        Sections { sections: vec![square(0.0), square(apart)], ..Sections::default() }
     }
 
     #[test]
