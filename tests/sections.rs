@@ -235,10 +235,10 @@ fn inspection_tells_what_is_unknown() {
 }
 
 /// Sections as JSON with a member more.
-fn json_with(member: &str) -> Result<Sections> {
+fn json_with(member: &str, offset: u32) -> Result<Sections> {
     let text = format!(
         r#"{{"transect": "sections", "version": 1, {member},
-            "sections": [{{"normal": [0, 0, 1], "offset": 0, "background": 1}}]}}"#
+            "sections": [{{"normal": [0, 0, 1], "offset": {offset}, "background": 1}}]}}"#
     );
     json::read(&text, Path::new("up.json"), &Rules::default())
 }
@@ -251,7 +251,7 @@ fn json_keeps_what_is_up() {
         ("[0, 1, 0]", DVec3::Y),
         ("[0.1, -3, 1e300]", DVec3::new(0.1, -3.0, 1e300)),
     ] {
-        let sections = json_with(&format!(r#""up": {written}"#)).expect(written);
+        let sections = json_with(&format!(r#""up": {written}"#), 0).expect(written);
         assert_eq!(sections.up, Some(up), "{written}");
         let mut text = Vec::new();
         json::write(&sections, &mut text).expect("writing to memory");
@@ -260,17 +260,19 @@ fn json_keeps_what_is_up() {
         assert_eq!(again.up, Some(up), "{text}");
     }
     for written in [r#""up""#, r#""w""#, "[0, 0, 0]", "[0, 1]", "7", "true"] {
-        let error = json_with(&format!(r#""up": {written}"#)).expect_err(written).to_string();
+        let error = json_with(&format!(r#""up": {written}"#), 0).expect_err(written).to_string();
         assert!(error.starts_with("up.json") && error.contains("\"up\""), "{error}");
     }
     // null and nothing are the same.
-    assert_eq!(json_with(r#""up": null"#).expect("sections").up, None);
+    assert_eq!(json_with(r#""up": null"#, 0).expect("sections").up, None);
 }
 
 #[test]
 fn files_read_together_agree_on_what_is_up() {
-    let part = |member: &str| json_with(member).expect("sections");
-    let join = |parts: [&str; 2]| Sections::join(parts.map(part).to_vec(), &Rules::default());
+    let join = |[one, other]: [&str; 2]| {
+        let parts = [json_with(one, 0), json_with(other, 1)];
+        Sections::join(parts.map(|part| part.expect("sections")).to_vec(), &Rules::default())
+    };
     let none = r#""frame": """#;
     for parts in [[r#""up": "y""#, r#""up": [0, 2, 0]"#], [none, r#""up": "y""#]] {
         assert_eq!(join(parts).expect("sections").up.map(|up| up.normalize()), Some(DVec3::Y));
