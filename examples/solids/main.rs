@@ -1,5 +1,6 @@
 //! Writes six closed solids as meshes, to judge methods by: what is cut from them
-//! and reconstructed can be compared with what they are.
+//! and reconstructed can be compared with what they are. A picture of each lies
+//! beside it.
 //!
 //! `cargo run --release --example solids -- FOLDER [VOXELS]`
 
@@ -17,6 +18,7 @@ use transect::io::mesh::About;
 use transect::io::ply;
 use transect::label::Label;
 use transect::mesh::Mesh;
+use transect::picture::{PictureOptions, render, write_png};
 
 use formulas::Solid;
 
@@ -54,6 +56,10 @@ fn write_all(folder: &Path, voxels: u32) -> Result<()> {
         print_facts(&solid, &mesh)?;
         let path = folder.join(solid.name).with_extension("ply");
         write(&mesh, &path).map_err(|error| Error::file(&path, error))?;
+        let path = path.with_extension("png");
+        let seen =
+            if solid.truth.cavities > 0 { formulas::mesh(&solid.opened(), voxels)? } else { mesh };
+        draw(&seen, &path).map_err(|error| Error::file(&path, error))?;
     }
     Ok(())
 }
@@ -77,5 +83,12 @@ fn print_facts(solid: &Solid, mesh: &Mesh) -> Result<()> {
 fn write(mesh: &Mesh, path: &Path) -> std::io::Result<()> {
     let mut out = BufWriter::new(File::create(path)?);
     ply::write(mesh, &About::default(), &mut out)?;
+    out.flush()
+}
+
+fn draw(mesh: &Mesh, path: &Path) -> std::io::Result<()> {
+    let options = PictureOptions { size: [800, 600], ..PictureOptions::default() };
+    let mut out = BufWriter::new(File::create(path)?);
+    write_png(&render(mesh, &[], &[], &options), &mut out)?;
     out.flush()
 }

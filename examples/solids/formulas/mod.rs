@@ -50,6 +50,15 @@ impl Solid {
     pub fn distance(&self, place: DVec3) -> f64 {
         (self.distance)(place)
     }
+
+    /// What is left of it behind the middle plane across y: nobody sees cavities
+    /// from outside.
+    pub fn opened(self) -> Self {
+        let front = self.bounds.min.midpoint(self.bounds.max).y;
+        let Self { distance, .. } = self;
+        let distance = Box::new(move |place: DVec3| distance(place).max(front - place.y));
+        Self { distance, ..self }
+    }
 }
 
 /// How fast a solid's distance may change: true distances change by 1, and some
