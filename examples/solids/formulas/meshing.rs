@@ -29,9 +29,12 @@ pub fn mesh(solid: &Solid, voxels: u32) -> Result<Mesh> {
 }
 
 /// The one place that makes samples. Leaves that are surely on one side of the
-/// surface become tiles.
+/// surface become tiles. The lattice reaches some voxels farther than the solid's
+/// box, which the surface may touch.
 fn samples(solid: &Solid, voxels: u32) -> Result<Samples> {
-    let lattice = Lattice::new(solid.bounds, Resolution::Voxels(voxels))?;
+    let voxel = solid.bounds.size().max_element() / f64::from(voxels);
+    let bounds = solid.bounds.grown(BAND * voxel);
+    let lattice = Lattice::new(bounds, Resolution::VoxelSize(voxel))?;
     let made: Vec<(Label, Option<Leaf>)> = (0..lattice.leaf_count() as usize)
         .into_par_iter()
         .map(|index| leaf(solid, &lattice, lattice.leaf_at(index)))
@@ -52,11 +55,7 @@ fn leaf(solid: &Solid, lattice: &Lattice, at: [i32; 3]) -> (Label, Option<Leaf>)
         return (if middle < 0.0 { INSIDE } else { Label::OUTSIDE }, None);
     }
     let value = |node: usize| {
-        let node = leaf.node(node);
-        if !lattice.is_inner(node) {
-            return -1.0;
-        }
-        let inward = -solid.distance(lattice.position(node)) / (BAND * lattice.voxel);
+        let inward = -solid.distance(lattice.position(leaf.node(node))) / (BAND * lattice.voxel);
         inward.clamp(-1.0, 1.0) as f32
     };
     let values = (0..LEAF_NODES).map(value).collect();

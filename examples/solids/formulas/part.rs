@@ -28,7 +28,7 @@ pub fn part() -> Solid {
     let half = DVec3::new(PLATE.x / 2.0, PLATE.y / 2.0, 0.0);
     Solid {
         name: "part",
-        bounds: Bounds { min: -half, max: half.with_z(BOSS.3) }.grown(0.5),
+        bounds: Bounds { min: -half, max: half.with_z(BOSS.3) },
         // Four bores, the window, the boss's bore, and the eye.
         truth: Truth { components: 1, cavities: 0, genus: 7, volume: Some(volume()) },
         distance: Box::new(distance),
