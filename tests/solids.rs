@@ -47,22 +47,40 @@ fn cut(mesh: &Mesh, cut: impl Fn(&transect::plane::Bounds) -> Cut) -> Vec<Plane>
     cut(&bounds).planes(&bounds).expect("planes")
 }
 
+/// Every method has at least its part of the volume in common with the solid; one
+/// that is not listed, as much as the worst.
+fn assert_common(tried: &[(&str, Trial)], parts: &[(&str, f64)]) {
+    let worst = parts.iter().map(|part| part.1).fold(1.0, f64::min);
+    for (name, trial) in tried {
+        let part = parts.iter().find(|part| part.0 == *name).map_or(worst, |part| part.1);
+        assert!(trial.comparison.iou > part, "{name}: {} of {part}", trial.comparison.iou);
+    }
+}
+
+// The parts are what was measured, less 0.03: 0.615 and 0.643.
 #[test]
-fn the_knot() {
+fn random_planes_through_the_knot() {
     let mesh = mesh_of("knot");
-    tried(&mesh, &cut(&mesh, |_| Cut::random(1)));
+    let tried = tried(&mesh, &cut(&mesh, |_| Cut::random(1)));
+    assert_common(&tried, &[("mean-value", 0.585), ("skeleton", 0.613)]);
 }
 
+// Measured: 0.715 and 0.856. Mean values shrink between parallel planes.
 #[test]
-fn the_body() {
+fn parallel_planes_through_the_body() {
     let mesh = mesh_of("body");
-    tried(&mesh, &cut(&mesh, Cut::parallel));
+    let tried = tried(&mesh, &cut(&mesh, Cut::parallel));
+    assert_common(&tried, &[("mean-value", 0.685), ("skeleton", 0.826)]);
 }
 
+// Measured: 0.887 and 0.874. All holes are cut, and found.
 #[test]
-fn the_part() {
+fn planes_along_the_part() {
+    let solid = solid("part");
     let mesh = mesh_of("part");
-    tried(&mesh, &cut(&mesh, |_| Cut::axes()));
+    let tried = tried(&mesh, &cut(&mesh, |_| Cut::axes()));
+    assert_common(&tried, &[("mean-value", 0.857), ("skeleton", 0.844)]);
+    assert!(tried.iter().all(|(_, trial)| trial.facts.genus == solid.truth.genus));
 }
 
 /// A cone of this radius and height that stands on z = 0.
@@ -82,8 +100,8 @@ fn cone(radius: f64, height: f64) -> Mesh {
 
 /// A cone that rises by 4 on 3 is atan(4/3) = 53.13° steep. The nearest section
 /// makes stairs of it, whose walls have 90° and are 36.87° off. Sections are 0.4
-/// apart, so up to 2 voxels, 0.1, from one of them these walls, no more than
-/// 0.075 away, are nearer than the next stair's floor.
+/// apart, so up to a 128th of 3.0 from one of them, 0.023, these walls, no more
+/// than 0.018 away, are nearer than the next stair's floor.
 #[test]
 fn stairs_of_a_cone_are_walls() {
     let cone = cone(1.5, 2.0);

@@ -23,9 +23,9 @@ fn facts(solid: &Solid) -> Facts {
     mesh.surface(Label(1)).facts(false).expect("facts")
 }
 
-/// The volume by counting the middles of 128 parts on the longest side.
+/// The volume by counting the middles of 200 parts on the longest side.
 fn counted(solid: &Solid) -> f64 {
-    let step = solid.bounds.size().max_element() / 128.0;
+    let step = solid.bounds.size().max_element() / 200.0;
     let counts = (solid.bounds.size() / step).ceil();
     let inside = |x: u32| {
         let mut inside = 0u64;
@@ -57,16 +57,17 @@ fn assert_true(name: &str, tolerance: f64) {
 }
 
 // The mesh of a smooth solid loses about its curvature times a voxel squared, so
-// most in thin branches: two to three voxels thick in the vessel's twigs.
+// most where it is thin: twigs are three voxels thick, and fingers eight. Counting
+// errs by a percent there.
 #[test]
 fn the_vessel_is_one_tree() {
-    assert_true("vessel", 4e-2);
+    assert_true("vessel", 3e-2);
 }
 
 #[test]
 fn no_bone_touches_another() {
     assert_eq!(solid("bones").truth.components, 2 + 5 + 14);
-    assert_true("bones", 2e-2);
+    assert_true("bones", 3e-2);
 }
 
 #[test]

@@ -17,8 +17,10 @@ use transect::skeleton;
 use transect::slice::{Family, slice};
 use transect::stage::Stages;
 
-/// How near a section normals are compared, in voxels of the reconstruction.
-const REACH: f64 = 2.0;
+/// How near a section normals are compared, as a part of the longest side: two
+/// voxels at resolution 256, whatever the resolution is, and an eighth of what
+/// fifteen parallel planes are apart.
+const REACH: f64 = 1.0 / 128.0;
 
 /// All methods that are tried.
 pub fn methods() -> Vec<(&'static str, Method)> {
@@ -92,11 +94,12 @@ pub fn trial(solid: &Mesh, planes: &[Plane], method: Method, voxels: u32) -> Res
     let mut stages = Stages::default();
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
-    let reach = REACH * derived.samples.lattice.voxel;
+    let longest = solid.bounds().map_or(0.0, |bounds| bounds.size().max_element());
+    let near = NormalOptions::within(REACH * longest);
     Ok(Trial {
         comparison: compare(&derived.mesh, solid, &compare::Options::default(), &Silent)?,
         facts: derived.mesh.surface_of(Label::is_material).facts(false)?,
-        leaning: leaning(&derived.mesh, solid, planes, &NormalOptions::within(reach))?,
+        leaning: leaning(&derived.mesh, solid, planes, &near)?,
         seconds: stages.seconds(),
     })
 }

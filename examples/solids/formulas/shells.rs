@@ -15,7 +15,7 @@ use super::{Solid, Truth};
 const BOX: (DVec3, [f64; 2]) = (DVec3::new(50.0, 38.0, 30.0), [10.0, 2.0]);
 /// The hollow balls' middles, and their radii outside and inside.
 const BALLS: [([f64; 3], [f64; 2]); 2] =
-    [([-19.0, -4.0, 1.0], [26.0, 20.0]), ([28.0, 9.0, -4.0], [18.0, 13.0])];
+    [([-19.0, 6.0, 1.0], [26.0, 20.0]), ([28.0, -3.0, -4.0], [18.0, 13.0])];
 /// In the first ball: the radius of its circle, and of its tube.
 const RING: [f64; 2] = [11.0, 4.0];
 
