@@ -72,13 +72,13 @@ fn no_bone_touches_another() {
 
 #[test]
 fn the_knot_is_one_tube() {
-    assert_true("knot", 5e-3);
+    assert_true("knot", 2e-3);
 }
 
 // Edges are rounded off within a voxel.
 #[test]
 fn the_part_has_its_holes() {
-    assert_true("part", 5e-3);
+    assert_true("part", 1e-3);
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn the_arm_makes_a_handle() {
 
 #[test]
 fn shells_lie_in_shells() {
-    assert_true("shells", 5e-3);
+    assert_true("shells", 1e-3);
 }
 
 /// Leaves are left out by this bound.
