@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import igl
 import numpy as np
+import trimesh
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -17,10 +18,11 @@ class Mesh:
 
     @staticmethod
     def read(path):
-        """A mesh of any kind that libigl reads; vertices at one place become one."""
-        corners, triangles = igl.read_triangle_mesh(str(path))[:2]
-        vertices, number = np.unique(corners, axis=0, return_inverse=True)
-        return Mesh(vertices, np.ascontiguousarray(number.reshape(-1)[triangles], np.int64))
+        """A mesh of any kind that trimesh reads; vertices at one place become one."""
+        read = trimesh.load_mesh(path, process=False)
+        vertices, number = np.unique(read.vertices, axis=0, return_inverse=True)
+        triangles = number.reshape(-1)[read.faces]
+        return Mesh(np.array(vertices, float), np.ascontiguousarray(triangles, np.int64))
 
     @property
     def box(self):

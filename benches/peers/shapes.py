@@ -38,11 +38,12 @@ def compared(truth, cut, names, resolution, solid):
     name = cut.file.stem if cut.kind == "given" else solid + cut.name
     rows = []
     for each in names:
-        print(f"{name}, {cut.kind}: {each}", file=sys.stderr, flush=True)
         result, seconds = timed(method(each), cut.file, sections, resolution)
         if result is not None:
             row = {"cut": cut.kind, "input": name, "method": each, "seconds": seconds}
             rows.append(row | truth.measures(result, sections))
+            what = f"{name}, {cut.kind}: {each}: IoU {rows[-1]['iou']:.3f}, {seconds:.1f} s"
+            print(what, file=sys.stderr, flush=True)
     return rows
 
 

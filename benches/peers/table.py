@@ -6,8 +6,8 @@ SHAPES = [
     ("mean", "distance", ".2f"),
     ("largest", "largest", ".1f"),
     ("volume", "volume", ".3f"),
-    ("pieces", "pieces", "g"),
-    ("true", "true_pieces", "g"),
+    ("pieces", "pieces", ".3g"),
+    ("true", "true_pieces", ".3g"),
     ("Dice", "dice", ".3f"),
     ("least", "least_dice", ".3f"),
     ("seconds", "seconds", ".1f"),
@@ -16,8 +16,8 @@ LABELS = [
     ("Dice", "dice", ".3f"),
     ("least", "least_dice", ".3f"),
     ("voxels", "voxels", ".4f"),
-    ("pieces", "pieces", "g"),
-    ("true", "true_pieces", "g"),
+    ("pieces", "pieces", ".3g"),
+    ("true", "true_pieces", ".3g"),
     ("seconds", "seconds", ".1f"),
 ]
 INPUT, METHOD, FIGURE = 16, 15, 9
@@ -47,7 +47,7 @@ def means(rows, columns):
     mean = {}
     for _, key, _ in columns:
         known = [row[key] for row in rows if row.get(key) is not None]
-        mean[key] = round(sum(known) / len(known), 4) if known else None
+        mean[key] = sum(known) / len(known) if known else None
     return mean
 
 

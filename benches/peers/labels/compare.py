@@ -24,13 +24,14 @@ def compare(names, options):
         for name in names:
             if name == "rbf":
                 continue
-            print(f"{volume.name}: {name}", file=sys.stderr, flush=True)
             result, seconds = timed(
                 method(name), volume.voxels, volume.kept, options.resolution
             )
             if result is not None:
                 row = {"input": volume.name, "method": name, "seconds": seconds}
                 rows.append(row | measures(result, volume.voxels))
+                what = f"{volume.name}: {name}: Dice {rows[-1]['dice']:.3f}, {seconds:.1f} s"
+                print(what, file=sys.stderr, flush=True)
     return rows
 
 
