@@ -7,6 +7,7 @@ use transect::check::{Check, Options as CheckOptions, check};
 use transect::grid::lattice::Resolution;
 use transect::io::read_all;
 use transect::mask::{Blobs, Mask, mask};
+use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
 use transect::progress::Silent;
 use transect::section::{Rules, Sections};
@@ -22,7 +23,8 @@ fn read(names: &[&str]) -> Sections {
 /// `spacing` is that of the triangulation of unknown regions.
 fn reconstruct(sections: Sections, voxels: u32, spacing: Option<f64>) -> Check {
     let resolution = Resolution::Voxels(voxels);
-    let mut model = Model::new(Options { resolution, spacing, ..Options::default() });
+    let method = Method::MeanValue(MeanValue { spacing, ..MeanValue::default() });
+    let mut model = Model::new(Options { resolution, method });
     let mut stages = Stages::default();
     let change = Change::Add(sections);
     model.apply(change, &Rules::default(), &mut stages, &Silent).expect("it reconstructs");

@@ -9,6 +9,7 @@ use transect::change::Change;
 use transect::check::{self, check};
 use transect::label::Label;
 use transect::mesh::Mesh;
+use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
@@ -183,7 +184,10 @@ fn all_domains_of_four_balls_come_back() {
     }
     let sections = sections();
     assert_eq!(sections.sections.len(), 15);
-    let mut model = Model::new(Options::default());
+    let mut model = Model::new(Options {
+        method: Method::MeanValue(MeanValue::default()),
+        ..Options::default()
+    });
     let (rules, mut stages) = (Rules::default(), Stages::default());
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).unwrap();
     let derived = model.derived().unwrap();

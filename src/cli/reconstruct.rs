@@ -15,7 +15,7 @@ use crate::io::exact::write_exact;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
-use crate::label::Material;
+use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::method::Mesher;

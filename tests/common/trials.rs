@@ -9,11 +9,11 @@ use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
 use transect::mesh::facts::Facts;
-use transect::model::{Method, Model, Options};
+use transect::method::{MeanValue, Method, Skeleton};
+use transect::model::{Model, Options};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
 use transect::section::{Rules, Sections};
-use transect::skeleton;
 use transect::slice::{Family, slice};
 use transect::stage::Stages;
 
@@ -24,8 +24,11 @@ const REACH: f64 = 1.0 / 128.0;
 
 /// All methods that are tried.
 pub fn methods() -> Vec<(&'static str, Method)> {
-    let exact = Method::Skeleton { options: skeleton::Options::default(), fairing: None };
-    vec![("mean-value", Method::MeanValue), ("skeleton", exact)]
+    vec![
+        ("variational", Method::default()),
+        ("mean-value", Method::MeanValue(MeanValue::default())),
+        ("skeleton", Method::Skeleton(Skeleton::default())),
+    ]
 }
 
 /// A set of planes through a solid.
@@ -90,7 +93,7 @@ pub fn trial(solid: &Mesh, planes: &[Plane], method: Method, voxels: u32) -> Res
     let rules = Rules::default();
     let sections = Sections::new(slice(solid, planes)?, &rules)?;
     let resolution = Resolution::Voxels(voxels);
-    let mut model = Model::new(Options { method, resolution, ..Options::default() });
+    let mut model = Model::new(Options { method, resolution });
     let mut stages = Stages::default();
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use transect::error::{Error, Result};
 use transect::grid::lattice::Resolution;
-use transect::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples};
+use transect::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples, Values};
 use transect::label::Label;
 use transect::mesh::{Mesh, dual};
 use transect::progress::Silent;
@@ -41,7 +41,7 @@ fn samples(solid: &Solid, voxels: u32) -> Result<Samples> {
         .collect();
     let tiles = made.iter().map(|(tile, _)| *tile).collect();
     let leaves = made.into_iter().filter_map(|(_, leaf)| leaf).collect();
-    Ok(Samples { lattice, leaves, tiles, open: None })
+    Ok(Samples { lattice, leaves, tiles, open: None, values: Values::Indicators })
 }
 
 /// What a leaf is all over, or its values where the surface may pass.
