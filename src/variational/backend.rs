@@ -12,6 +12,9 @@ pub struct Limits {
     /// When the residual, in the norm of the preconditioner, has become so many
     /// times smaller.
     pub tolerance: f64,
+    /// The squared norm that is compared with, if it is not that of the residual
+    /// given.
+    pub of: Option<f64>,
 }
 
 /// What is to be added to the values.
@@ -21,6 +24,8 @@ pub struct Correction {
     pub values: Vec<f32>,
     /// How many iterations it took.
     pub iterations: u32,
+    /// The squared norm of the residual that was given, r · D⁻¹ r.
+    pub size: f64,
 }
 
 /// What every backend does, in f32. The vectors have 512 values for each leaf of

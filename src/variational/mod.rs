@@ -14,7 +14,8 @@
 //! - the last sum is over samples on the wrong side, or nearer to the surface than m.
 //!   Which these are is found by solving several times (an *active set*);
 //! - w is small: it gives shape to what no contour is near to. It is the same
-//!   physical weight on every level;
+//!   physical weight on the levels that are solved on the whole box, and 0 on the
+//!   others, whose band lies near the surface;
 //! - beyond a closed box f is −d (for *outside* d); at an open one the boundary is
 //!   natural: the sum over the Hessian ends there.
 //!
@@ -39,6 +40,7 @@ mod level;
 mod outline;
 mod plane_samples;
 mod segments;
+mod specks;
 mod stencil;
 mod system;
 
@@ -57,6 +59,7 @@ use backend::Backend;
 use cpu::Cpu;
 use label_field::{LabelField, Scene};
 use plane_samples::plane_samples;
+use specks::remove_specks;
 
 /// Voxels on the longest side of the box on which all of it is solved for.
 const WHOLE_VOXELS: f64 = 48.0;
@@ -72,14 +75,11 @@ const STEP: f64 = 1.3;
 pub struct Weights {
     /// The weight w of the soft values with 96 voxels on the box's longest side.
     pub soft: f64,
-    /// How often the soft values are set anew, to the distances to the surface that
-    /// was found, on the coarse levels.
-    pub retargets: u32,
 }
 
 impl Default for Weights {
     fn default() -> Self {
-        Self { soft: 0.01, retargets: 2 }
+        Self { soft: 0.03 }
     }
 }
 
@@ -87,11 +87,6 @@ impl Weights {
     /// w on a level; `unit` are the voxels it is given for.
     fn soft_weight(&self, voxel: f64, unit: f64) -> f32 {
         (self.soft * (voxel / unit).powi(3)) as f32
-    }
-
-    /// The smallest voxels on which there are soft values.
-    fn soft_voxel(&self, unit: f64) -> f64 {
-        0.7 * unit
     }
 }
 
@@ -118,6 +113,8 @@ pub struct Solved {
     pub samples: Samples,
     /// What it took.
     pub effort: Effort,
+    /// Pieces and bubbles that no section speaks for, and that were removed.
+    pub specks: u64,
     /// What it was solved on, for people to read.
     pub device: String,
 }
@@ -162,8 +159,9 @@ pub fn variational(
         effort.unknowns += field.effort.unknowns;
         effort.updates += field.effort.updates;
     }
-    let samples = assembly::assemble(fields, &scene);
-    Ok(Solved { samples, effort, device: backend.name() })
+    let mut samples = assembly::assemble(fields, &scene);
+    let specks = remove_specks(&mut samples, sections) as u64;
+    Ok(Solved { samples, effort, specks, device: backend.name() })
 }
 
 /// The labels that get a field: with a single material that one alone, since the

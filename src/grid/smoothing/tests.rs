@@ -17,7 +17,7 @@ fn spike(leaves: i32, node: [usize; 3]) -> Samples {
     let row = (0..leaves).map(|x| Leaf { at: [x, 0, 0], materials: Vec::new() });
     let tiles = vec![Label::OUTSIDE; leaves as usize];
     let mut samples =
-        Samples { lattice, leaves: row.collect(), tiles, open: None, values: Values::default() };
+        Samples { lattice, leaves: row.collect(), tiles, open: None, values: Default::default() };
     samples.leaves[0].materials.push(LeafValues { label: LABEL, values });
     samples
 }
@@ -129,7 +129,7 @@ fn rippled(inner: Label, outer: Label) -> Samples {
         leaves: (0..125).map(leaf).collect(),
         tiles,
         open: None,
-        values: Values::default(),
+        values: Default::default(),
     }
 }
 

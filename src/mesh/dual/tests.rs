@@ -137,7 +137,7 @@ fn tiles_without_values_close_the_surface() {
     let mut tiles = vec![Label::OUTSIDE; 27];
     tiles[13] = Label(3);
     let samples =
-        Samples { lattice, leaves: Vec::new(), tiles, open: None, values: Values::default() };
+        Samples { lattice, leaves: Vec::new(), tiles, open: None, values: Default::default() };
     let mesh = dual(&samples, &Silent).unwrap();
     assert_sound(&mesh);
     let volume = mesh.surface(Label(3)).volume();
