@@ -34,6 +34,7 @@ pub mod crosscheck;
 pub mod error;
 pub mod ffi;
 pub mod field;
+mod gpu;
 pub mod grid;
 pub mod inspect;
 pub mod io;
