@@ -33,7 +33,20 @@ impl Cpu {
         Self { fused }
     }
 
-    /// A x in one leaf, x being 0 where it is not free.
+    /// With the instructions that every processor of its kind has.
+    #[cfg(test)]
+    pub fn baseline() -> Self {
+        Self { fused: false }
+    }
+
+    /// A x in one leaf, for values of all leaves that are 0 where they are not free.
+    pub fn apply_in(self, system: &System, leaf: usize, values: &[f32], out: &mut Nodes) {
+        let mut patch = [0.0; PATCH_NODES];
+        gather(system, leaf, values, &mut patch);
+        self.apply_leaf(system, leaf, &patch, out);
+    }
+
+    /// The same from the leaf's patch.
     fn apply_leaf(self, system: &System, leaf: usize, patch: &Patch, out: &mut Nodes) {
         #[cfg(target_arch = "x86_64")]
         if self.fused {
@@ -197,9 +210,7 @@ impl Cpu {
             .enumerate()
             .with_min_len(FEW)
             .map(|(leaf, out)| {
-                let mut patch = [0.0; PATCH_NODES];
-                gather(system, leaf, values, &mut patch);
-                self.apply_leaf(system, leaf, &patch, out);
+                self.apply_in(system, leaf, values, out);
                 dot(&own[leaf], out)
             })
             .collect();
