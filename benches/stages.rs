@@ -21,7 +21,7 @@ use transect::field::{Adapter, Boundaries, Cpu, Device, Field, Gpu, Queries, Ref
 use transect::io;
 use transect::label::Label;
 use transect::mask::{Blobs, Mask, mask};
-use transect::method::Variational;
+use transect::method::{MeanValue, Method, Variational};
 use transect::model::{Model, Options};
 use transect::oracle::Oracle;
 use transect::plane::Bounds;
@@ -34,6 +34,9 @@ use transect::variational::Trial;
 /// The stages that are shown, in their order.
 const STAGES: [&str; 7] =
     ["read", "arrangement", "completion", "field", "smoothing", "mesh", "check"];
+/// The methods whose stages are shown, the default first.
+const METHODS: [(&str, fn() -> Method); 2] =
+    [("variational", Method::default), ("mvc", || Method::MeanValue(MeanValue::default()))];
 /// The blobs that are made unknown.
 const BLOBS: Blobs = Blobs { fraction: 0.2, size: 0.2, seed: 1 };
 /// Points that the oracle is timed on, and plain floats.
@@ -54,15 +57,21 @@ fn main() -> Result<()> {
     println!("{:>9}{:>11}{:>14}{:>14}", "all", "peak MiB", "evaluations", "triangles");
     let mut models = Vec::new();
     for file in files {
-        let (model, known) = reconstruct(&file, Ok)?;
         let masked = Mask { blobs: Some(BLOBS), frame: None };
-        let (partial, unknown) = reconstruct(&file, |sections| mask(sections, &masked))?;
-        println!("{:<22}× {:.2} with a fifth unknown, the row above", "", unknown / known);
-        models.push((name(&file), model, partial));
+        for (method_name, method) in METHODS {
+            let (model, known) = reconstruct(&file, method(), Ok)?;
+            let (partial, unknown) =
+                reconstruct(&file, method(), |sections| mask(sections, &masked))?;
+            let factor = unknown / known;
+            println!("{method_name:<22}× {factor:.2} with a fifth unknown, the row above");
+            if matches!(model.options().method, Method::MeanValue(_)) {
+                models.push((name(&file), model, partial));
+            }
+        }
     }
     println!("\n{:<22}{:>14}  G edge evaluations a second (× the reference)", "", "edges/point");
     for (name, model, _) in &models {
-        rates(name, &arrangement(model)?)?;
+        rates(name, arrangement(model)?)?;
     }
     println!("\n{:<22}{:>14}  M unknowns × iterations a second of the solver", "", "unknowns");
     for (name, model, _) in &models {
@@ -101,34 +110,29 @@ fn name(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The box that a model is made in.
-fn bounds(model: &Model) -> Result<Bounds> {
-    let contours = model.sections().bounds();
-    let contours = contours.ok_or_else(|| Error::Option("there is no contour".into()))?;
-    Ok(contours.grown(0.05 * contours.diagonal()))
-}
-
-fn arrangement(model: &Model) -> Result<Arrangement> {
-    Arrangement::new(&model.sections().sections, bounds(model)?, Label::OUTSIDE)
+fn arrangement(model: &Model) -> Result<&Arrangement> {
+    let arrangement = model.derived().and_then(|derived| derived.arrangement.as_ref());
+    arrangement.ok_or_else(|| Error::Option("nothing was derived".into()))
 }
 
 /// One row of the table of stages; returns the model and the seconds of all
 /// stages.
 fn reconstruct(
     file: &Path,
+    method: Method,
     change: impl FnOnce(Sections) -> Result<Sections>,
 ) -> Result<(Model, f64)> {
     let mut stages = Stages::default();
     let rules = Rules::default();
     let sections = stages.run("read", |_| io::read_sections(file, &rules))?;
     let sections = change(sections)?;
-    let mut model = Model::new(Options::default());
+    let mut model = Model::new(Options { method, ..Options::default() });
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
     stages.run("check", |_| {
         let options = check::Options::default();
-        let lattice = &derived.samples.lattice;
-        check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
+        let samples = &derived.samples;
+        check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
     })?;
     print!("{:<22}", name(file));
     STAGES.iter().for_each(|stage| print!("{:>12.3}", stages.seconds_of(stage)));
@@ -144,7 +148,7 @@ fn reconstruct(
 
 /// One row of the table of the exact reconstruction.
 fn exact_seconds(name: &str, model: &Model) -> Result<()> {
-    let bounds = bounds(model)?;
+    let bounds = arrangement(model)?.bounds();
     let sections = &model.sections().sections;
     let start = Instant::now();
     let exact = skeleton(sections, bounds, &skeleton::Options::default(), &Silent)?;
@@ -165,7 +169,7 @@ fn exact_seconds(name: &str, model: &Model) -> Result<()> {
 /// One row of the table of the oracle: all sections full, and a fifth unknown.
 fn oracle_rates(name: &str, model: &Model, partial: &Model) -> Result<()> {
     print!("{name:<22}");
-    let bounds = bounds(model)?;
+    let bounds = arrangement(model)?.bounds();
     let sections = &model.sections().sections;
     let plain = rate_of(bounds, ORACLE_POINTS[1], |point| plain_label(sections, bounds, point));
     for (model, what) in [(model, "full"), (partial, "a fifth unknown")] {
@@ -246,7 +250,8 @@ fn rates(name: &str, arrangement: &Arrangement) -> Result<()> {
 fn solver_rates(name: &str, model: &Model) -> Result<()> {
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
     let (sections, lattice) = (&model.sections().sections, &derived.samples.lattice);
-    let trial = Trial::new(sections, bounds(model)?, lattice, &Variational::default())?;
+    let bounds = arrangement(model)?.bounds();
+    let trial = Trial::new(sections, bounds, lattice, &Variational::default())?;
     print!("{name:<22}{:>14}", trial.unknowns());
     for device in [Device::Cpu, Device::Gpu] {
         match trial.run(device, 3) {

@@ -47,7 +47,7 @@ fn reconstructs(name: &str, voxels: u32) {
     clock.lap("field");
     let sections = &sections;
     let list = &sections.sections;
-    let starts = Starts { sections: list, completion: boundaries.completion() };
+    let starts = Starts::new(list, boundaries.completion(), &lattice);
     let sampling =
         sample(&arrangement, field.as_ref(), &starts, &lattice, SMOOTHING_MARGIN, &Silent).unwrap();
     let (leaves, points) = (sampling.samples.leaves.len(), sampling.points);

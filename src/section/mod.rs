@@ -6,6 +6,7 @@ mod extent;
 mod graph;
 mod loops;
 mod overlay;
+mod reach;
 mod rectangle;
 mod regions;
 mod sections;
@@ -144,6 +145,8 @@ pub struct Sections {
     /// The frame of the coordinates, as the file gives it ("LPS"); empty when
     /// unknown.
     pub frame: String,
+    /// Which way is up, as the file gives it; any length but 0.
+    pub up: Option<DVec3>,
     /// What was doubtful.
     pub warnings: Vec<Warning>,
     /// What was left out (degenerate loops, for one).
