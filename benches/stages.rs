@@ -1,7 +1,8 @@
 //! `./x bench`: seconds per stage, field evaluations, edge evaluations per
 //! second for each backend beside the scalar f64 reference, and peak memory,
 //! for the bundled example and the real files there are; what it costs when a
-//! fifth of every section is unknown; points per second of the oracle beside
+//! fifth of every section is unknown; unknowns × iterations per second of the
+//! variational solver's backends; points per second of the oracle beside
 //! plain floats that look at every edge; and the exact reconstruction beside the
 //! way from sections to a mesh by the field.
 //!
@@ -16,11 +17,11 @@ use transect::arrangement::Arrangement;
 use transect::change::Change;
 use transect::check::{self, check};
 use transect::error::{Error, Result};
-use transect::field::{Adapter, Boundaries, Cpu, Field, Gpu, Queries, Reference, Run};
+use transect::field::{Adapter, Boundaries, Cpu, Device, Field, Gpu, Queries, Reference, Run};
 use transect::io;
 use transect::label::Label;
 use transect::mask::{Blobs, Mask, mask};
-use transect::method::{MeanValue, Method};
+use transect::method::{MeanValue, Method, Variational};
 use transect::model::{Model, Options};
 use transect::oracle::Oracle;
 use transect::plane::Bounds;
@@ -28,6 +29,7 @@ use transect::progress::Silent;
 use transect::section::{Rules, Section, Sections};
 use transect::skeleton::{self, skeleton};
 use transect::stage::Stages;
+use transect::variational::Trial;
 
 /// The stages that are shown, in their order.
 const STAGES: [&str; 7] =
@@ -70,6 +72,10 @@ fn main() -> Result<()> {
     println!("\n{:<22}{:>14}  G edge evaluations a second (× the reference)", "", "edges/point");
     for (name, model, _) in &models {
         rates(name, arrangement(model)?)?;
+    }
+    println!("\n{:<22}{:>14}  M unknowns × iterations a second of the solver", "", "unknowns");
+    for (name, model, _) in &models {
+        solver_rates(name, model)?;
     }
     println!("\n{:<22}M points a second of the oracle (× plain floats)", "");
     for (name, model, partial) in &models {
@@ -235,6 +241,24 @@ fn rates(name: &str, arrangement: &Arrangement) -> Result<()> {
             of_reference = rate;
         }
         print!("  {} {:.3} (× {:.1})", field.name(), rate / 1e9, rate / of_reference);
+    }
+    println!();
+    Ok(())
+}
+
+/// One row of the table of the variational solver's backends.
+fn solver_rates(name: &str, model: &Model) -> Result<()> {
+    let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
+    let (sections, lattice) = (&model.sections().sections, &derived.samples.lattice);
+    let bounds = arrangement(model)?.bounds();
+    let trial = Trial::new(sections, bounds, lattice, &Variational::default())?;
+    print!("{name:<22}{:>14}", trial.unknowns());
+    for device in [Device::Cpu, Device::Gpu] {
+        match trial.run(device, 3) {
+            Ok(rate) => print!("  {} {:.1}", rate.device, rate.updates / 1e6),
+            Err(Error::Device(_)) => print!("  gpu skipped: no adapter"),
+            Err(other) => return Err(other),
+        }
     }
     println!();
     Ok(())

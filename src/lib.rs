@@ -35,6 +35,7 @@ pub mod direction;
 pub mod error;
 pub mod ffi;
 pub mod field;
+mod gpu;
 pub mod grid;
 pub mod inspect;
 pub mod io;

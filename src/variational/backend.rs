@@ -17,6 +17,13 @@ pub struct Limits {
     pub of: Option<f64>,
 }
 
+impl Limits {
+    /// So small r · D⁻¹ r is to become, from `first` on.
+    pub fn goal(&self, first: f64) -> f64 {
+        self.tolerance * self.tolerance * self.of.unwrap_or(first)
+    }
+}
+
 /// What is to be added to the values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correction {
@@ -38,7 +45,6 @@ pub trait Backend: Send + Sync {
     ///
     /// # Errors
     /// When the device fails.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the contract asks for it"))]
     fn apply(&self, system: &System, values: &[f32]) -> Result<Vec<f32>>;
 
     /// Solves A x = `residual` by conjugate gradients from x = 0, the diagonal of A

@@ -33,8 +33,15 @@ impl Cpu {
         Self { fused }
     }
 
-    /// A x in one leaf, x being 0 where it is not free; returns its part of x · A x.
-    fn apply_leaf(self, system: &System, leaf: usize, values: &[f32], out: &mut Nodes) -> f64 {
+    /// With the instructions that every processor of its kind has.
+    #[cfg(test)]
+    pub fn baseline() -> Self {
+        Self { fused: false }
+    }
+
+    /// A x in one leaf, for values of all leaves that are 0 where they are not free;
+    /// returns its part of x · A x.
+    pub fn apply_in(self, system: &System, leaf: usize, values: &[f32], out: &mut Nodes) -> f64 {
         #[cfg(target_arch = "x86_64")]
         if self.fused {
             // SAFETY: `new` found these instructions on this processor.
@@ -177,9 +184,9 @@ impl Backend for Cpu {
             residual,
             inverse,
         };
-        let mut size = state.size();
+        let mut size = size(&state.residual, &state.inverse);
         let first = size;
-        let goal = limits.tolerance * limits.tolerance * limits.of.unwrap_or(first);
+        let goal = limits.goal(first);
         let mut iterations = 0;
         while iterations < limits.iterations && size > goal {
             let curvature = self.apply_all(system, &state.direction, &mut state.product);
@@ -203,10 +210,18 @@ impl Cpu {
             .par_iter_mut()
             .enumerate()
             .with_min_len(FEW)
-            .map(|(leaf, out)| self.apply_leaf(system, leaf, values, out))
+            .map(|(leaf, out)| self.apply_in(system, leaf, values, out))
             .collect();
         products.iter().sum()
     }
+}
+
+/// r · D⁻¹ r.
+pub fn size(residual: &[f32], inverse: &[f32]) -> f64 {
+    let leaves = residual.as_chunks::<LEAF_NODES>().0.par_iter();
+    let inverse = inverse.as_chunks::<LEAF_NODES>().0;
+    let sizes: Vec<f64> = leaves.zip(inverse).map(|(r, by)| weighted(r, by)).collect();
+    sizes.iter().sum()
 }
 
 /// The vectors of conjugate gradients, leaf by leaf.
@@ -219,14 +234,6 @@ struct State {
 }
 
 impl State {
-    /// r · D⁻¹ r.
-    fn size(&self) -> f64 {
-        let leaves = self.residual.as_chunks::<LEAF_NODES>().0.par_iter();
-        let inverse = self.inverse.as_chunks::<LEAF_NODES>().0;
-        let sizes: Vec<f64> = leaves.zip(inverse).map(|(r, by)| weighted(r, by)).collect();
-        sizes.iter().sum()
-    }
-
     /// Goes along the direction; returns r · D⁻¹ r.
     fn step(&mut self, length: f32) -> f64 {
         let correction = self.correction.as_chunks_mut::<LEAF_NODES>().0;

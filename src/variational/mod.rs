@@ -29,12 +29,13 @@
 //! from the interpolated level below, which is also the band's boundary condition.
 //!
 //! ```text
-//! outline, plane_samples ─► label_field: level ─► system ─► backend (cpu) ─► level … ─► assembly ─► Samples
+//! outline, plane_samples ─► label_field: level ─► system ─► backend ─► level … ─► assembly ─► Samples
 //! ```
 
 mod assembly;
 mod backend;
 mod cpu;
+mod gpu;
 mod label_field;
 mod level;
 mod outline;
@@ -43,10 +44,17 @@ mod segments;
 mod specks;
 mod stencil;
 mod system;
+mod trial;
+
+#[cfg(test)]
+mod contract;
+#[cfg(test)]
+mod reference;
 
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::field::{Adapter, Device};
 use crate::grid::lattice::Resolution;
 use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
@@ -57,9 +65,12 @@ use crate::section::Section;
 
 use backend::Backend;
 use cpu::Cpu;
+use gpu::Gpu;
 use label_field::{LabelField, Scene};
 use plane_samples::plane_samples;
 use specks::remove_specks;
+
+pub use trial::{Rate, Trial};
 
 /// Voxels on the longest side of the box on which all of it is solved for.
 const WHOLE_VOXELS: f64 = 48.0;
@@ -67,6 +78,10 @@ const WHOLE_VOXELS: f64 = 48.0;
 const UNIT_VOXELS: f64 = 96.0;
 /// Nodes there are to be at least then, in a box that is long.
 const WHOLE_NODES: f64 = 45_000.0;
+/// Systems with fewer unknowns stay on the CPU when the device is chosen
+/// automatically: its threads are done with an iteration in about the time that a GPU
+/// takes to begin the five dispatches of one.
+const FEW_UNKNOWNS: u64 = 50_000;
 /// The next finer level has voxels smaller by this factor at least.
 const STEP: f64 = 1.3;
 
@@ -122,7 +137,7 @@ pub struct Solved {
 /// The samples of the variational field.
 ///
 /// # Errors
-/// When a backend fails.
+/// [`Error::Device`] when a GPU is asked for and none works.
 pub fn variational(
     sections: &[Section],
     bounds: Bounds,
@@ -130,20 +145,9 @@ pub fn variational(
     method: &Variational,
     progress: &dyn Progress,
 ) -> Result<Solved> {
+    let backend = backend(method.device)?;
     let (lattices, whole) = lattices(bounds, lattice)?;
-    let backend = Cpu::new();
-    let everywhere = |lattice: &Lattice| plane_samples(sections, bounds, lattice.voxel, |_| true);
-    let scene = Scene {
-        sections,
-        bounds,
-        is_open: method.border == Label::UNKNOWN,
-        samples: lattices[..whole].iter().map(everywhere).collect(),
-        lattices: &lattices,
-        whole,
-        unit: bounds.size().max_element() / UNIT_VOXELS,
-        weights: &method.weights,
-        backend: &backend,
-    };
+    let scene = scene(sections, bounds, &lattices, whole, method, backend.as_ref());
     let labels = labels(sections);
     progress.begin("field", labels.len() as u64);
     let fields: Vec<LabelField> = labels
@@ -162,6 +166,41 @@ pub fn variational(
     let mut samples = assembly::assemble(fields, &scene);
     let specks = remove_specks(&mut samples, sections) as u64;
     Ok(Solved { samples, effort, specks, device: backend.name() })
+}
+
+/// What a device stands for.
+fn backend(device: Device) -> Result<Box<dyn Backend>> {
+    match device {
+        Device::Cpu => Ok(Box::new(Cpu::new())),
+        Device::Gpu => Ok(Box::new(Gpu::new(Adapter::Any)?)),
+        Device::Auto => match Gpu::new(Adapter::Hardware) {
+            Ok(gpu) => Ok(Box::new(gpu.sparing(FEW_UNKNOWNS))),
+            Err(Error::Device(_)) => backend(Device::Cpu),
+            Err(other) => Err(other),
+        },
+    }
+}
+
+fn scene<'a>(
+    sections: &'a [Section],
+    bounds: Bounds,
+    lattices: &'a [Lattice],
+    whole: usize,
+    method: &'a Variational,
+    backend: &'a dyn Backend,
+) -> Scene<'a> {
+    let everywhere = |lattice: &Lattice| plane_samples(sections, bounds, lattice.voxel, |_| true);
+    Scene {
+        sections,
+        bounds,
+        is_open: method.border == Label::UNKNOWN,
+        samples: lattices[..whole].iter().map(everywhere).collect(),
+        lattices,
+        whole,
+        unit: bounds.size().max_element() / UNIT_VOXELS,
+        weights: &method.weights,
+        backend,
+    }
 }
 
 /// The labels that get a field: with a single material that one alone, since the
