@@ -41,10 +41,11 @@ pub trait Backend: Send + Sync {
     /// What it runs on, for people to read.
     fn name(&self) -> String;
 
-    /// A x.
+    /// A x; what the contract asks for first.
     ///
     /// # Errors
     /// When the device fails.
+    #[allow(dead_code)]
     fn apply(&self, system: &System, values: &[f32]) -> Result<Vec<f32>>;
 
     /// Solves A x = `residual` by conjugate gradients from x = 0, the diagonal of A
