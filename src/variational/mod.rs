@@ -164,7 +164,7 @@ pub fn variational(
         effort.updates += field.effort.updates;
     }
     let mut samples = assembly::assemble(fields, &scene);
-    let specks = remove_specks(&mut samples, sections) as u64;
+    let specks = remove_specks(&mut samples, sections, bounds) as u64;
     Ok(Solved { samples, effort, specks, device: backend.name() })
 }
 

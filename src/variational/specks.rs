@@ -1,39 +1,111 @@
-//! Pieces and bubbles that no section's plane passes through: nothing speaks for
-//! them, and they are where the smoothest field happens to swing across zero far
-//! from all contours. They become what is around them.
+//! Pieces and bubbles that no section speaks for: nowhere in them does a section say
+//! their label, and no contour passes them. They are where the smoothest field
+//! happens to swing across zero, and become what is around them.
 
+use glam::DVec3;
+
+use crate::grid::contour::{corners, pierced_voxels, segments};
 use crate::grid::labels::{LabelGrid, node_in_leaf};
+use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
 use crate::grid::runs::{Neighbors, Run, Runs};
-use crate::grid::samples::{LEAF_SIDE, Lattice, Leaf, Samples};
+use crate::grid::samples::{LEAF_SIDE, Leaf, Samples};
 use crate::label::Label;
+use crate::plane::Bounds;
 use crate::section::Section;
+
+use super::plane_samples::plane_samples;
+
+/// Samples of sections are so far apart, in voxels.
+const SPACING: f64 = 0.5;
 
 /// Removes them; returns how many there were. Such as reach into leaves without
 /// values stay.
-pub fn remove_specks(samples: &mut Samples, sections: &[Section]) -> usize {
-    let labels = LabelGrid::new(samples);
-    let lattice = samples.lattice;
-    let [x, y, _] = lattice.dims.map(|nodes| nodes as usize);
-    let runs = Runs::new([x, y], |row, runs| add_runs(&labels, row, runs));
-    let parts = runs.parts(Neighbors::Six);
-    let count = parts.iter().max().map_or(0, |&last| last as usize + 1);
-    let mut stays = vec![false; count];
-    for (number, run) in runs.runs.iter().enumerate() {
-        let stays = &mut stays[parts[number] as usize];
-        *stays = *stays || is_passed(run, runs.row_of(number), &lattice, sections);
-    }
-    for (number, run) in runs.runs.iter().enumerate() {
-        let row = runs.row_of(number).map(|at| at as i32);
-        let stays = &mut stays[parts[number] as usize];
-        *stays = *stays || !nodes(row, run).all(|node| has_values(&labels, node));
-    }
-    for (number, run) in runs.runs.iter().enumerate() {
-        if !stays[parts[number] as usize] {
-            let row = runs.row_of(number).map(|at| at as i32);
-            nodes(row, run).for_each(|node| yield_node(samples, node, run.label));
+pub fn remove_specks(samples: &mut Samples, sections: &[Section], bounds: Bounds) -> usize {
+    let mut parts = Parts::new(LabelGrid::new(samples));
+    parts.keep_what_has_no_values();
+    parts.keep_what_sections_say(sections, bounds);
+    for (number, run) in parts.runs.runs.iter().enumerate() {
+        if !parts.stays[parts.of_run[number] as usize] {
+            parts.nodes(number).for_each(|node| yield_node(samples, node, run.label));
         }
     }
-    stays.into_iter().filter(|stays| !stays).count()
+    parts.stays.iter().filter(|stays| !**stays).count()
+}
+
+/// The connected parts of all labels.
+struct Parts {
+    labels: LabelGrid,
+    runs: Runs<Label>,
+    /// The part of each run.
+    of_run: Vec<u32>,
+    /// Of each part whether it stays.
+    stays: Vec<bool>,
+}
+
+impl Parts {
+    fn new(labels: LabelGrid) -> Self {
+        let [x, y, _] = labels.lattice.dims.map(|nodes| nodes as usize);
+        let runs = Runs::new([x, y], |row, runs| add_runs(&labels, row, runs));
+        let of_run = runs.parts(Neighbors::Six);
+        let count = of_run.iter().max().map_or(0, |&last| last as usize + 1);
+        Self { labels, runs, of_run, stays: vec![false; count] }
+    }
+
+    fn nodes(&self, run: usize) -> impl Iterator<Item = [i32; 3]> + use<> {
+        let [x, y] = self.runs.row_of(run).map(|at| at as i32);
+        let Run { start, end, .. } = self.runs.runs[run];
+        (start..end).map(move |z| [x, y, z])
+    }
+
+    fn is_tile(&self, node: [i32; 3]) -> bool {
+        self.labels.tile(self.labels.lattice.leaf_index(node_in_leaf(node).0)).is_some()
+    }
+
+    fn keep_what_has_no_values(&mut self) {
+        for run in 0..self.runs.runs.len() {
+            let part = self.of_run[run] as usize;
+            self.stays[part] = self.stays[part] || self.nodes(run).any(|node| self.is_tile(node));
+        }
+    }
+
+    /// Looks where parts may go, which is rarely anywhere.
+    fn keep_what_sections_say(&mut self, sections: &[Section], bounds: Bounds) {
+        let lattice = self.labels.lattice;
+        let mut doubtful = LeafSet::new(&LeafGrid::new([0; 3], lattice.dims));
+        for run in 0..self.runs.runs.len() {
+            if !self.stays[self.of_run[run] as usize] {
+                self.nodes(run).for_each(|node| {
+                    doubtful.insert(node_in_leaf(node).0);
+                });
+            }
+        }
+        let place = |at: DVec3| (at - lattice.origin) / lattice.voxel;
+        let wanted = |at: DVec3| doubtful.has(leaf_of(place(at).round().as_ivec3().to_array()));
+        for sample in plane_samples(sections, bounds, SPACING * lattice.voxel, wanted) {
+            let node = place(sample.at).round().as_ivec3().to_array();
+            self.keep(node, Some(sample.label));
+        }
+        let edges: Vec<[DVec3; 2]> = sections.iter().flat_map(segments).collect();
+        for node in pierced_voxels(&edges, &lattice).into_iter().flat_map(corners) {
+            if doubtful.has(leaf_of(node)) {
+                self.keep(node, None);
+            }
+        }
+    }
+
+    /// Keeps the part of a node, where it has this label.
+    fn keep(&mut self, node: [i32; 3], label: Option<Label>) {
+        let dims = self.labels.lattice.dims;
+        if (0..3).any(|axis| !(0..dims[axis]).contains(&node[axis])) {
+            return;
+        }
+        let row = self.runs.row(node[0] as usize * self.runs.dims[1] + node[1] as usize);
+        let place = self.runs.runs[row.clone()].partition_point(|run| run.end <= node[2]);
+        let run = row.start + place;
+        if label.is_none_or(|label| self.runs.runs[run].label == label) {
+            self.stays[self.of_run[run] as usize] = true;
+        }
+    }
 }
 
 /// The runs of a row, of all labels.
@@ -58,28 +130,6 @@ fn add_runs(labels: &LabelGrid, [x, y]: [usize; 2], runs: &mut Vec<Run<Label>>) 
             add(z, z + 1, labels.at([node[0], node[1], z]));
         }
     }
-}
-
-fn nodes([x, y]: [i32; 2], run: &Run<Label>) -> impl Iterator<Item = [i32; 3]> {
-    (run.start..run.end).map(move |z| [x, y, z])
-}
-
-fn has_values(labels: &LabelGrid, node: [i32; 3]) -> bool {
-    labels.tile(labels.lattice.leaf_index(node_in_leaf(node).0)).is_none()
-}
-
-/// Whether the plane of a section passes a run within a voxel, or the run reaches
-/// the border of the lattice.
-fn is_passed(run: &Run<Label>, row: [usize; 2], lattice: &Lattice, sections: &[Section]) -> bool {
-    if run.start == 0 || run.end == lattice.dims[2] {
-        return true;
-    }
-    let [x, y] = row.map(|at| at as i32);
-    let ends = [run.start, run.end - 1].map(|z| lattice.position([x, y, z]));
-    sections.iter().any(|section| {
-        let [low, high] = ends.map(|end| section.plane().distance(end));
-        low.min(high) <= lattice.voxel && low.max(high) >= -lattice.voxel
-    })
 }
 
 /// Gives a node to the label that comes next there.
@@ -110,7 +160,7 @@ mod tests {
 
     use super::*;
     use crate::check::shapes::disc;
-    use crate::grid::samples::Values;
+    use crate::grid::samples::{Lattice, Values};
     use crate::mesh::dual;
     use crate::mesh::shapes::samples;
     use crate::plane::Plane;
@@ -132,20 +182,25 @@ mod tests {
     }
 
     #[test]
-    fn only_what_a_plane_passes_stays() {
-        let section =
-            |offset: f64, normal: DVec3| disc(Plane { normal, offset }, 0.4, 60, Label(1));
+    fn only_what_a_section_says_stays() {
+        let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+        let section = |offset: f64, normal: DVec3, radius: f64| {
+            disc(Plane { normal, offset }, radius, 60, Label(1))
+        };
         let components = |sections: &[Section]| {
             let mut samples = balls();
-            let removed = remove_specks(&mut samples, sections);
+            let removed = remove_specks(&mut samples, sections, bounds);
             samples.sanity_check().unwrap();
             let surface = dual(&samples, &Silent).unwrap().surface(Label(1));
             (removed, surface.facts(false).unwrap().components)
         };
-        // At z = 0 through both balls, at z = 0.3 through the bubble alone, at x = −0.2
-        // through the large ball alone.
-        assert_eq!(components(&[section(0.0, DVec3::Z)]), (1, 2));
-        assert_eq!(components(&[section(0.0, DVec3::Z), section(0.3, DVec3::Z)]), (0, 3));
-        assert_eq!(components(&[section(-0.2, DVec3::X)]), (2, 1));
+        // At z = 0 through both balls, but material only within 0.4: the small ball, at
+        // 0.6 to 0.8, is denied, and nothing speaks for the bubble.
+        assert_eq!(components(&[section(0.0, DVec3::Z, 0.4)]), (2, 1));
+        // Material within 0.9: the small ball stays.
+        assert_eq!(components(&[section(0.0, DVec3::Z, 0.9)]), (1, 2));
+        // A contour at z = 0.3 passes the bubble's border, so it stays.
+        let ring = section(0.3, DVec3::Z, 0.1);
+        assert_eq!(components(&[section(0.0, DVec3::Z, 0.9), ring]), (0, 3));
     }
 }
