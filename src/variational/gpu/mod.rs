@@ -98,8 +98,8 @@ impl Gpu {
 
     /// How many iterations are submitted at once.
     fn iterations_at_once(&self, system: &System) -> u32 {
-        // An integrated GPU has some 1e9 updates a second, a software adapter 3e7.
-        let updates = if self.connection.is_software() { 1 << 22 } else { 1 << 27 };
+        // An integrated GPU has some 1e9 updates a second, a software adapter 5e5.
+        let updates = if self.connection.is_software() { 1 << 20 } else { 1 << 27 };
         (updates / (system.leaves.len() * LEAF_NODES)).clamp(1, ITERATIONS) as u32
     }
 
