@@ -37,8 +37,9 @@ use transect::variational::Trial;
 const STAGES: [&str; 7] =
     ["read", "arrangement", "completion", "field", "smoothing", "mesh", "check"];
 /// The methods whose stages are shown, the default first.
-const METHODS: [(&str, fn() -> Method); 2] =
-    [("variational", Method::default), ("mvc", || Method::MeanValue(MeanValue::default()))];
+fn methods() -> [(&'static str, Method); 2] {
+    [("variational", Method::default()), ("mvc", Method::MeanValue(MeanValue::default()))]
+}
 /// The blobs that are made unknown.
 const BLOBS: Blobs = Blobs { fraction: 0.2, size: 0.2, seed: 1 };
 /// Points that the oracle is timed on, and plain floats.
@@ -64,10 +65,10 @@ fn main() -> Result<()> {
     let mut models = Vec::new();
     for file in files {
         let masked = Mask { blobs: Some(BLOBS), frame: None };
-        for (method_name, method) in METHODS {
-            let (model, known) = reconstruct(&file, method(), Ok)?;
+        for (method_name, method) in methods() {
+            let (model, known) = reconstruct(&file, method, Ok)?;
             let (partial, unknown) =
-                reconstruct(&file, method(), |sections| mask(sections, &masked))?;
+                reconstruct(&file, method, |sections| mask(sections, &masked))?;
             let factor = unknown / known;
             println!("{method_name:<22}× {factor:.2} with a fifth unknown, the row above");
             if matches!(model.options().method, Method::MeanValue(_)) {

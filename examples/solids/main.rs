@@ -90,6 +90,6 @@ fn write(mesh: &Mesh, path: &Path) -> std::io::Result<()> {
 fn draw(mesh: &Mesh, path: &Path) -> std::io::Result<()> {
     let options = PictureOptions { size: [800, 600], ..PictureOptions::default() };
     let mut out = BufWriter::new(File::create(path)?);
-    write_png(&render(mesh, &Sections::default(), &[], &options), &mut out)?;
+    write_png(&render(mesh, &Sections::default(), &options), &mut out)?;
     out.flush()
 }

@@ -9,7 +9,7 @@
 //!
 //! A material that hides another one completely is drawn as glass, so that a
 //! body shows its organs. What is up and which side is the front follows from the
-//! sections ([`sides`]). Bands are rendered independently of each other and
+//! sections (`sides`). Bands are rendered independently of each other and
 //! triangles within a band in their order: the picture does not depend on the
 //! number of threads.
 

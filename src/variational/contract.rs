@@ -120,9 +120,9 @@ fn pulls(random: &mut Random, count: usize, low: Node, high: Node) -> Vec<Pull> 
         let at = std::array::from_fn(|axis| {
             let at = f64::from(low[axis])
                 + random.unit() * f64::from(high[axis] - 1 - low[axis]).max(0.0);
-            if index % 7 == 0 { at.floor() } else { at }
+            if index.is_multiple_of(7) { at.floor() } else { at }
         });
-        let weight = if index % 3 == 0 { 10.0 } else { 0.01 };
+        let weight = if index.is_multiple_of(3) { 10.0 } else { 0.01 };
         Pull { at, weight, target: (2.0 * random.unit() - 1.0) as f32 }
     };
     (0..count).map(pull).collect()

@@ -36,29 +36,89 @@ pub fn stencil(patch: &Patch, out: &mut Nodes) {
     }
 }
 
-/// The same near a natural boundary.
+/// The same near a natural boundary: every difference between nodes that exist, and
+/// then what it does to them.
+#[inline(always)]
 pub fn stencil_at_boundary(patch: &Patch, leaf: [i32; 3], domain: Domain, out: &mut Nodes) {
-    let axes = Axes::new(leaf, domain);
-    let steps = [PATCH * PATCH, PATCH, 1];
-    for (index, out) in out.iter_mut().enumerate() {
-        let node = [index / 64, index / 8 % 8, index % 8];
-        let [x, y, z] = node.map(|along| along + REACH);
-        let center = (x * PATCH + y) * PATCH + z;
-        let at = |offset: isize| patch[center.wrapping_add_signed(offset)];
-        let mut sum = 0.0;
-        for axis in 0..3 {
-            let own = axes.0[axis].0[node[axis]].iter().zip(-2isize..);
-            sum += own.map(|(by, step)| by * at(step * steps[axis] as isize)).sum::<f32>();
-        }
-        for [a, b] in [[0, 1], [0, 2], [1, 2]] {
-            for (by_a, step_a) in axes.0[a].1[node[a]].iter().zip(-1isize..) {
-                for (by_b, step_b) in axes.0[b].1[node[b]].iter().zip(-1isize..) {
-                    let offset = step_a * steps[a] as isize + step_b * steps[b] as isize;
-                    sum += 2.0 * by_a * by_b * at(offset);
-                }
+    let exist = Existing::new(leaf, domain);
+    let mut sums = [0.0; PATCH_NODES];
+    add_second::<0>(patch, &exist, &mut sums);
+    add_second::<1>(patch, &exist, &mut sums);
+    add_second::<2>(patch, &exist, &mut sums);
+    add_mixed::<0, 1>(patch, &exist, &mut sums);
+    add_mixed::<0, 2>(patch, &exist, &mut sums);
+    add_mixed::<1, 2>(patch, &exist, &mut sums);
+    out.fill(0.0);
+    add_inner(&sums, out);
+}
+
+/// From a node of a patch to the next along each axis.
+const STEPS: [usize; 3] = [PATCH * PATCH, PATCH, 1];
+
+/// δxxᵀ δxx along an axis.
+#[inline(always)]
+fn add_second<const AXIS: usize>(patch: &Patch, exist: &Existing, sums: &mut Patch) {
+    let step = STEPS[AXIS];
+    let range = |axis: usize| if axis == AXIS { 1..PATCH - 1 } else { 0..PATCH };
+    for x in range(0) {
+        for y in range(1) {
+            for z in range(2) {
+                let at = (x * PATCH + y) * PATCH + z;
+                let second = patch[at - step] - 2.0 * patch[at] + patch[at + step];
+                let own = second * exist.second[AXIS][[x, y, z][AXIS]];
+                sums[at - step] += own;
+                sums[at] -= 2.0 * own;
+                sums[at + step] += own;
             }
         }
-        *out = sum;
+    }
+}
+
+/// 2 (δx δy)ᵀ δx δy along two axes.
+#[inline(always)]
+fn add_mixed<const A: usize, const B: usize>(patch: &Patch, exist: &Existing, sums: &mut Patch) {
+    let (along_a, along_b) = (STEPS[A], STEPS[B]);
+    let both = along_a + along_b;
+    let range = |axis: usize| if axis == A || axis == B { 0..PATCH - 1 } else { 0..PATCH };
+    for x in range(0) {
+        for y in range(1) {
+            for z in range(2) {
+                let at = (x * PATCH + y) * PATCH + z;
+                let place = [x, y, z];
+                let mixed =
+                    (patch[at] - patch[at + along_a]) - (patch[at + along_b] - patch[at + both]);
+                let own = 2.0 * mixed * exist.first[A][place[A]] * exist.first[B][place[B]];
+                sums[at] += own;
+                sums[at + along_a] -= own;
+                sums[at + along_b] -= own;
+                sums[at + both] += own;
+            }
+        }
+    }
+}
+
+/// For every axis and every layer of a patch 1 where the differences around it are
+/// between nodes that exist, else 0.
+struct Existing {
+    /// δxx around a layer.
+    second: [[f32; PATCH]; 3],
+    /// δx from a layer to the next.
+    first: [[f32; PATCH]; 3],
+}
+
+impl Existing {
+    fn new(leaf: [i32; 3], Domain { low, high }: Domain) -> Self {
+        let layers = |axis: usize, steps: [i32; 2]| {
+            std::array::from_fn(|layer| {
+                let node = leaf[axis] * SIDE - REACH as i32 + layer as i32;
+                let range = low[axis]..high[axis];
+                f32::from(u8::from(steps.iter().all(|step| range.contains(&(node + step)))))
+            })
+        };
+        Self {
+            second: std::array::from_fn(|axis| layers(axis, [-1, 1])),
+            first: std::array::from_fn(|axis| layers(axis, [0, 1])),
+        }
     }
 }
 
