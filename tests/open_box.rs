@@ -62,12 +62,12 @@ fn in_an_open_box_a_pipe_goes_on_to_its_faces() {
     assert_eq!((reached.min.z, reached.max.z), (bounds.min.z, bounds.max.z));
     assert!(bounds.min.z < -0.5 && bounds.max.z > LAST + 0.5);
     // On the sections it is as wide as they say; between them, and up to the box
-    // a spacing beyond, the mean-value field draws it in by some tenths.
+    // a spacing beyond, the mean-value field draws it in, by up to two fifths at the box.
     for vertex in &open.vertices {
         let off = vertex.truncate().length() - RADIUS;
         let on_section = (vertex.z / 2.0 - (vertex.z / 2.0).round()).abs() < 0.1 * voxel
             && (-0.1..=LAST + 0.1).contains(&vertex.z);
-        assert!(if on_section { off.abs() < 0.5 * voxel } else { off.abs() < 0.8 }, "{vertex}");
+        assert!(if on_section { off.abs() < 0.5 * voxel } else { off.abs() < 1.25 }, "{vertex}");
     }
     let volume = PI * RADIUS * RADIUS * bounds.size().z;
     for caps in [false, true] {

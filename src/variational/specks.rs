@@ -1,10 +1,9 @@
 //! Pieces and bubbles that no section speaks for: nowhere in them does a section say
-//! their label, and no contour passes them. They are where the smoothest field
+//! their label, and no contour of it passes a node of them. They are where the smoothest field
 //! happens to swing across zero, and become what is around them.
 
 use glam::DVec3;
 
-use crate::grid::contour::{corners, pierced_voxels, segments};
 use crate::grid::labels::{LabelGrid, node_in_leaf};
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
 use crate::grid::runs::{Neighbors, Run, Runs};
@@ -83,18 +82,26 @@ impl Parts {
         let wanted = |at: DVec3| doubtful.has(leaf_of(place(at).round().as_ivec3().to_array()));
         for sample in plane_samples(sections, bounds, SPACING * lattice.voxel, wanted) {
             let node = place(sample.at).round().as_ivec3().to_array();
-            self.keep(node, Some(sample.label));
+            self.keep(node, sample.label);
         }
-        let edges: Vec<[DVec3; 2]> = sections.iter().flat_map(segments).collect();
-        for node in pierced_voxels(&edges, &lattice).into_iter().flat_map(corners) {
-            if doubtful.has(leaf_of(node)) {
-                self.keep(node, None);
+        // And along contours, for what is thinner than the samples are apart.
+        for section in sections {
+            for (edge, [start, end]) in section.edges().iter().zip(section.segments()) {
+                let count = (start.distance(end) / (SPACING * lattice.voxel)).ceil().max(1.0);
+                for step in 0..=count as u64 {
+                    let at = place(start.lerp(end, step as f64 / count));
+                    let node = at.round().as_ivec3().to_array();
+                    if doubtful.has(leaf_of(node)) {
+                        self.keep(node, edge.left);
+                        self.keep(node, edge.right);
+                    }
+                }
             }
         }
     }
 
     /// Keeps the part of a node, where it has this label.
-    fn keep(&mut self, node: [i32; 3], label: Option<Label>) {
+    fn keep(&mut self, node: [i32; 3], label: Label) {
         let dims = self.labels.lattice.dims;
         if (0..3).any(|axis| !(0..dims[axis]).contains(&node[axis])) {
             return;
@@ -102,7 +109,7 @@ impl Parts {
         let row = self.runs.row(node[0] as usize * self.runs.dims[1] + node[1] as usize);
         let place = self.runs.runs[row.clone()].partition_point(|run| run.end <= node[2]);
         let run = row.start + place;
-        if label.is_none_or(|label| self.runs.runs[run].label == label) {
+        if self.runs.runs[run].label == label {
             self.stays[self.of_run[run] as usize] = true;
         }
     }
