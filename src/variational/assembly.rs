@@ -32,7 +32,7 @@ pub fn assemble(mut fields: Vec<LabelField>, scene: &Scene) -> Samples {
         for field in &mut fields {
             let near: Vec<[i32; 3]> =
                 wave.iter().copied().filter(|&leaf| field.rough(middle(leaf)) > FAR).collect();
-            field.ensure(scene, near);
+            field.ensure(near);
         }
         let start = assembly.leaves.len();
         let leaf = |&at: &[i32; 3]| collect_leaf(&fields, scene, at);

@@ -95,10 +95,9 @@ impl LabelField {
         Ok(Self { label, levels, band, effort })
     }
 
-    /// Gives values to leaves of the finest level.
-    pub fn ensure(&mut self, scene: &Scene, leaves: impl IntoIterator<Item = [i32; 3]>) {
-        // The values beyond the box play no role for who reads labels.
-        let _ = scene;
+    /// Gives values to leaves of the finest level; those beyond the box, which play no
+    /// role for who reads labels, as they are interpolated.
+    pub fn ensure(&mut self, leaves: impl IntoIterator<Item = [i32; 3]>) {
         ensure(&mut self.levels, leaves, &|_: &Level, _, _: &mut [f32; LEAF_NODES]| ());
     }
 
