@@ -117,6 +117,11 @@ impl Bounds {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
+    /// The smallest box around this one and another.
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
     /// The part of a convex polygon in the box.
     pub fn clipped(&self, mut polygon: Vec<DVec3>) -> Vec<DVec3> {
         for axis in 0..3 {

@@ -6,7 +6,7 @@ mod extent;
 mod graph;
 mod loops;
 mod overlay;
-mod reach;
+pub mod reach;
 mod rectangle;
 mod regions;
 mod sections;

@@ -26,39 +26,55 @@ impl Sections {
     /// world units: as far as the nearest section is away that is parallel.
     /// A twentieth of the diagonal where there is none. Empty without contours.
     pub fn reaches(&self) -> Vec<f64> {
-        let Some(all) = self.bounds() else { return Vec::new() };
-        let diagonal = all.diagonal();
-        let middle = (all.min + all.max) / 2.0;
-        let reach = |section: &Section| {
-            let normal = section.plane.unit_normal();
-            let own = section.bounds().map_or(middle, |own| (own.min + own.max) / 2.0);
-            let from = own - section.plane.distance(own) * normal;
-            let gap = |other: &Section| {
-                let is_parallel = normal.cross(other.plane.unit_normal()).length() <= PARALLEL;
-                let gap = other.plane.distance(from).abs();
-                (is_parallel && gap >= LEAST * diagonal).then_some(gap)
-            };
-            self.sections.iter().filter_map(gap).reduce(f64::min).unwrap_or(MARGIN * diagonal)
-        };
-        self.sections.iter().map(reach).collect()
+        reaches(&self.sections, MARGIN)
     }
 
     /// The box in which a solid is looked for: around every contour a twentieth of
     /// their diagonal along its plane, and its section's reach across. So beyond the
     /// last section of a stack it ends one spacing away. `None` without contours.
     pub fn space(&self) -> Option<Bounds> {
-        let margin = MARGIN * self.bounds()?.diagonal();
-        let grown = |(section, reach): (&Section, f64)| {
-            let normal = section.plane.unit_normal();
-            // Half the size of a disc with a height along the normal.
-            let along = (DVec3::ONE - normal * normal).max(DVec3::ZERO);
-            let size = reach * normal.abs() + margin * along.map(f64::sqrt);
-            let own = section.bounds()?;
-            Some(Bounds { min: own.min - size, max: own.max + size })
-        };
-        let boxes = self.sections.iter().zip(self.reaches()).filter_map(grown);
-        Bounds::around(boxes.flat_map(|own| [own.min, own.max]))
+        space(&self.sections, MARGIN)
     }
+}
+
+/// All vertices' box; `None` when there are no contours.
+pub fn bounds(sections: &[Section]) -> Option<Bounds> {
+    let corners = |own: Bounds| [own.min, own.max];
+    Bounds::around(sections.iter().filter_map(Section::bounds).flat_map(corners))
+}
+
+/// [`Sections::reaches`] with another margin, relative to the diagonal.
+fn reaches(sections: &[Section], margin: f64) -> Vec<f64> {
+    let Some(all) = bounds(sections) else { return Vec::new() };
+    let diagonal = all.diagonal();
+    let middle = (all.min + all.max) / 2.0;
+    let reach = |section: &Section| {
+        let normal = section.plane.unit_normal();
+        let own = section.bounds().map_or(middle, |own| (own.min + own.max) / 2.0);
+        let from = own - section.plane.distance(own) * normal;
+        let gap = |other: &Section| {
+            let is_parallel = normal.cross(other.plane.unit_normal()).length() <= PARALLEL;
+            let gap = other.plane.distance(from).abs();
+            (is_parallel && gap >= LEAST * diagonal).then_some(gap)
+        };
+        sections.iter().filter_map(gap).reduce(f64::min).unwrap_or(margin * diagonal)
+    };
+    sections.iter().map(reach).collect()
+}
+
+/// [`Sections::space`] with another margin, relative to the diagonal.
+pub fn space(sections: &[Section], margin: f64) -> Option<Bounds> {
+    let along_plane = margin * bounds(sections)?.diagonal();
+    let grown = |(section, reach): (&Section, f64)| {
+        let normal = section.plane.unit_normal();
+        // Half the size of a disc with a height along the normal.
+        let along = (DVec3::ONE - normal * normal).max(DVec3::ZERO);
+        let size = reach * normal.abs() + along_plane * along.map(f64::sqrt);
+        let own = section.bounds()?;
+        Some(Bounds { min: own.min - size, max: own.max + size })
+    };
+    let boxes = sections.iter().zip(reaches(sections, margin)).filter_map(grown);
+    Bounds::around(boxes.flat_map(|own| [own.min, own.max]))
 }
 
 #[cfg(test)]

@@ -1,10 +1,8 @@
 //! Sections together: coincident planes, materials, what files share.
 
-use glam::DVec3;
-
 use super::draft::Draft;
 use super::overlay::Overlay;
-use super::{Findings, Rules, Section, Sections, Warning};
+use super::{Findings, Rules, Section, Sections, Warning, reach};
 use crate::direction;
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
@@ -50,10 +48,7 @@ impl Sections {
 
     /// All vertices' box; `None` when there are no contours.
     pub fn bounds(&self) -> Option<Bounds> {
-        let points = |section: &Section| -> Vec<DVec3> {
-            section.vertices.iter().map(|&vertex| section.plane.lift(vertex)).collect()
-        };
-        Bounds::around(self.sections.iter().flat_map(points))
+        reach::bounds(&self.sections)
     }
 
     /// The material of a label.

@@ -17,7 +17,7 @@ const BEYOND: f32 = 1.0;
 
 /// The samples of some fields.
 pub fn assemble(mut fields: Vec<LabelField>, scene: &Scene) -> Samples {
-    let lattice = scene.lattices[scene.lattices.len() - 1];
+    let lattice = scene.space.lattices[scene.space.lattices.len() - 1];
     let tiles = tiles(&fields, &lattice);
     let mut assembly = Assembly { lattice, tiles, leaves: Vec::new() };
     let Some(first) = fields.first().and_then(|field| field.levels.last()) else {
@@ -107,7 +107,7 @@ impl Assembly {
     fn into_samples(mut self, scene: &Scene) -> Samples {
         self.leaves.par_sort_unstable_by_key(|leaf| leaf.at);
         let Self { lattice, tiles, leaves } = self;
-        let open = scene.is_open.then_some(scene.bounds);
+        let open = scene.is_open.then_some(scene.space.bounds);
         Samples { lattice, leaves, tiles, open, values: Values::Distances }
     }
 }

@@ -8,7 +8,6 @@ use crate::grid::invariant::node_offset;
 use crate::grid::leaf_grid::{LeafSet, around, leaf_of};
 use crate::grid::samples::{LEAF_NODES, Lattice};
 use crate::label::Label;
-use crate::plane::Bounds;
 use crate::section::Section;
 
 use super::backend::{Backend, Limits};
@@ -18,7 +17,7 @@ use super::outline::Outline;
 use super::plane_samples::{PlaneSample, plane_samples};
 use super::segments::Hint;
 use super::system::{Pull, SIDE, System};
-use super::{Effort, Weights};
+use super::{Effort, Space, Weights};
 
 /// What a sample on a contour counts, and one that is on the wrong side.
 const FIRM: f32 = 10.0;
@@ -38,13 +37,9 @@ const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-3, of: None };
 /// What all labels' fields are made from.
 pub struct Scene<'a> {
     pub sections: &'a [Section],
-    pub bounds: Bounds,
+    pub space: &'a Space,
     pub is_open: bool,
-    /// From the coarsest to the finest.
-    pub lattices: &'a [Lattice],
-    /// So many of them are solved on the whole box, at least one.
-    pub whole: usize,
-    /// What the sections say on each of these.
+    /// What the sections say on each of the lattices over the whole box.
     pub samples: Vec<Vec<PlaneSample>>,
     /// The voxels for which the soft values' weight is given, in world units.
     pub unit: f64,
@@ -85,10 +80,10 @@ impl LabelField {
         let (levels, effort) = (Vec::new(), Effort::default());
         let mut solver = Solver { scene, label, outline, levels, effort, first: None };
         let mut band = Vec::new();
-        for whole in 0..scene.whole {
+        for whole in 0..scene.space.whole {
             band = solver.add_whole_level(whole)?;
         }
-        for number in scene.whole..scene.lattices.len() {
+        for number in scene.space.whole..scene.space.lattices.len() {
             band = solver.add_narrow_level(number)?;
         }
         let Solver { levels, effort, .. } = solver;
@@ -118,7 +113,7 @@ impl LabelField {
 impl Solver<'_> {
     /// The next coarse level, on all of the box.
     fn add_whole_level(&mut self, number: usize) -> Result<Vec<[i32; 3]>> {
-        let level = Level::new(self.scene.lattices[number], self.scene.is_open);
+        let level = Level::new(self.scene.space.lattices[number], self.scene.is_open);
         let all: Vec<[i32; 3]> = level.grid.all_places().collect();
         self.levels.push(level);
         self.ensure(all.iter().copied());
@@ -141,13 +136,13 @@ impl Solver<'_> {
 
     /// The next level, near the surface and the contours alone.
     fn add_narrow_level(&mut self, number: usize) -> Result<Vec<[i32; 3]>> {
-        let lattice = self.scene.lattices[number];
+        let lattice = self.scene.space.lattices[number];
         let level = Level::new(lattice, self.scene.is_open);
         let contours = near_points(&self.contour_places(&level), BAND);
         let refined = self.refined(number, &level);
         self.levels.push(level);
         self.ensure(contours.iter().copied().chain(refined));
-        let passes = if number == self.scene.whole { PASSES } else { 1 };
+        let passes = if number == self.scene.space.whole { PASSES } else { 1 };
         let mut band = Vec::new();
         for _ in 0..passes {
             band = near_changes(&self.levels[number].grid, BAND);
@@ -194,18 +189,25 @@ impl Solver<'_> {
         self.levels = levels;
     }
 
-    /// On the coarsest level all nodes, on the others those beyond a closed box,
-    /// are as far outside as the nearest contour is away.
+    /// On the coarsest level all nodes, and on those on the wide box the ones beyond
+    /// it, are as far outside as the nearest contour is away. Beyond the given box
+    /// nodes are outside as they are, at least by the margin.
     fn settle(&self, level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]) {
-        let is_first = level.lattice.voxel == self.scene.lattices[0].voxel;
+        let Scene { space, is_open, .. } = self.scene;
+        let is_first = level.lattice.voxel == space.lattices[0].voxel;
+        let is_wide = space.is_wide(&level.lattice);
+        let sign = if self.label == Label::OUTSIDE { 1.0 } else { -1.0 };
         let mut hint = Hint::default();
         for (node, value) in values.iter_mut().enumerate() {
             let offset = node_offset(node);
             let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
-            let is_fixed = !self.scene.is_open && !level.lattice.is_inner(at);
-            if level.has(at) && (is_first || is_fixed) {
-                let sign = if self.label == Label::OUTSIDE { 1.0 } else { -1.0 };
-                *value = sign * self.distance(level, level.lattice.position(at), &mut hint);
+            let is_fixed = !is_open && !level.lattice.is_inner(at);
+            if is_first || (is_fixed && is_wide) {
+                if level.has(at) {
+                    *value = sign * self.distance(level, level.lattice.position(at), &mut hint);
+                }
+            } else if is_fixed {
+                *value = sign * (sign * *value).max(MARGIN as f32);
             }
         }
     }
@@ -213,7 +215,7 @@ impl Solver<'_> {
     /// To the nearest contour, in voxels.
     fn distance(&self, level: &Level, point: DVec3, hint: &mut Hint) -> f32 {
         let distance = self.outline.tree.distance(point, hint);
-        (distance.min(self.scene.bounds.diagonal()) / level.lattice.voxel) as f32
+        (distance.min(self.scene.space.bounds.diagonal()) / level.lattice.voxel) as f32
     }
 
     /// For each sample how far inside it should be, in voxels.
@@ -243,7 +245,7 @@ impl Solver<'_> {
             let node = ((at - origin) / voxel).floor().as_ivec3().to_array();
             inside.has(leaf_of(node))
         };
-        plane_samples(self.scene.sections, self.scene.bounds, voxel, wanted)
+        plane_samples(self.scene.sections, self.scene.space.bounds, voxel, wanted)
     }
 
     fn contour_places(&self, level: &Level) -> Vec<[f64; 3]> {

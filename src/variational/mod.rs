@@ -16,8 +16,9 @@
 //! - w is small: it gives shape to what no contour is near to. It is the same
 //!   physical weight on the levels that are solved on the whole box, and 0 on the
 //!   others, whose band lies near the surface;
-//! - beyond a closed box f is −d (for *outside* d); at an open one the boundary is
-//!   natural: the sum over the Hessian ends there.
+//! - beyond a closed box f is −d (for *outside* d), and that box is wider than the one
+//!   that is filled; at an open one the boundary is natural: the sum over the Hessian
+//!   ends there.
 //!
 //! The mean-value indicator meets every section at a right angle, and so makes beads
 //! between parallel ones; this one goes through them as a bent plate would. A label
@@ -62,6 +63,7 @@ use crate::method::Variational;
 use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::Section;
+use crate::section::reach::space;
 
 use backend::Backend;
 use cpu::Cpu;
@@ -76,6 +78,10 @@ pub use trial::{Rate, Trial};
 const WHOLE_VOXELS: f64 = 48.0;
 /// The voxels on the longest side for which the soft values' weight is given.
 const UNIT_VOXELS: f64 = 96.0;
+/// How far that box reaches beyond contours within their planes, relative to the
+/// diagonal of them all. The given one is near to the surface; half way between two
+/// sections the −d on its faces, whose d is larger there, would draw a waist.
+const WIDE: f64 = 0.15;
 /// Nodes there are to be at least then, in a box that is long.
 const WHOLE_NODES: f64 = 45_000.0;
 /// Systems with fewer unknowns stay on the CPU when the device is chosen
@@ -146,8 +152,8 @@ pub fn variational(
     progress: &dyn Progress,
 ) -> Result<Solved> {
     let backend = backend(method.device)?;
-    let (lattices, whole) = lattices(bounds, lattice)?;
-    let scene = scene(sections, bounds, &lattices, whole, method, backend.as_ref());
+    let space = Space::new(sections, bounds, lattice, method)?;
+    let scene = scene(sections, &space, method, backend.as_ref());
     let labels = labels(sections);
     progress.begin("field", labels.len() as u64);
     let fields: Vec<LabelField> = labels
@@ -183,20 +189,17 @@ fn backend(device: Device) -> Result<Box<dyn Backend>> {
 
 fn scene<'a>(
     sections: &'a [Section],
-    bounds: Bounds,
-    lattices: &'a [Lattice],
-    whole: usize,
+    space: &'a Space,
     method: &'a Variational,
     backend: &'a dyn Backend,
 ) -> Scene<'a> {
-    let everywhere = |lattice: &Lattice| plane_samples(sections, bounds, lattice.voxel, |_| true);
+    let &Space { bounds, wide, ref lattices, whole, .. } = space;
+    let everywhere = |lattice: &Lattice| plane_samples(sections, wide, lattice.voxel, |_| true);
     Scene {
         sections,
-        bounds,
+        space,
         is_open: method.border == Label::UNKNOWN,
         samples: lattices[..whole].iter().map(everywhere).collect(),
-        lattices,
-        whole,
         unit: bounds.size().max_element() / UNIT_VOXELS,
         weights: &method.weights,
         backend,
@@ -216,22 +219,49 @@ fn labels(sections: &[Section]) -> Vec<Label> {
     labels
 }
 
-/// The lattices from the coarsest to the given one, and on how many of them the
-/// whole box is solved for.
-fn lattices(bounds: Bounds, finest: &Lattice) -> Result<(Vec<Lattice>, usize)> {
-    let longest = bounds.size().max_element() / WHOLE_VOXELS;
-    let whole = longest.min((bounds.volume() / WHOLE_NODES).cbrt()).max(finest.voxel);
-    let mut voxels = Vec::new();
-    let mut voxel = finest.voxel;
-    while voxel * STEP < whole {
-        voxels.push(voxel);
-        voxel *= 2.0;
+/// Where is solved.
+struct Space {
+    /// The box that the result fills.
+    bounds: Bounds,
+    /// The box of the coarse lattices, around it.
+    wide: Bounds,
+    /// From the coarsest to the given one.
+    lattices: Vec<Lattice>,
+    /// So many of them are solved on the whole box, at least two.
+    whole: usize,
+}
+
+impl Space {
+    fn new(
+        sections: &[Section],
+        bounds: Bounds,
+        finest: &Lattice,
+        method: &Variational,
+    ) -> Result<Self> {
+        let is_open = method.border == Label::UNKNOWN;
+        let wide = space(sections, WIDE).filter(|_| !is_open);
+        let wide = wide.map_or(bounds, |wide| bounds.union(wide));
+        let longest = wide.size().max_element() / WHOLE_VOXELS;
+        let whole = longest.min((wide.volume() / WHOLE_NODES).cbrt()).max(finest.voxel);
+        let mut voxels = Vec::new();
+        let mut voxel = finest.voxel;
+        while voxel * STEP < whole {
+            voxels.push(voxel);
+            voxel *= 2.0;
+        }
+        voxels.extend([whole, 2.0 * whole]);
+        let lattice = |&voxel: &f64| match voxel {
+            _ if voxel == finest.voxel => Ok(*finest),
+            _ if voxel < whole => Lattice::new(bounds, Resolution::VoxelSize(voxel)),
+            _ => Lattice::new(wide, Resolution::VoxelSize(voxel)),
+        };
+        let lattices: Vec<Lattice> = voxels.iter().rev().map(lattice).collect::<Result<_>>()?;
+        Ok(Self { bounds, wide, lattices, whole: 2 })
     }
-    voxels.extend([whole, 2.0 * whole]);
-    let lattice = |&voxel: &f64| match voxel == finest.voxel {
-        true => Ok(*finest),
-        false => Lattice::new(bounds, Resolution::VoxelSize(voxel)),
-    };
-    let lattices: Vec<Lattice> = voxels.iter().rev().map(lattice).collect::<Result<_>>()?;
-    Ok((lattices, 2))
+
+    /// Whether a lattice is one over the wide box.
+    fn is_wide(&self, lattice: &Lattice) -> bool {
+        let finest = self.lattices.last().map_or(0.0, |finest| finest.voxel);
+        lattice.voxel >= self.lattices[self.whole - 1].voxel && lattice.voxel > finest
+    }
 }

@@ -7,7 +7,7 @@ use super::backend::{Backend, Correction, Limits};
 use super::cpu::Cpu;
 use super::label_field::LabelField;
 use super::system::System;
-use super::{backend, labels, lattices, scene};
+use super::{Space, backend, labels, scene};
 use crate::error::{Error, Result};
 use crate::field::Device;
 use crate::grid::samples::Lattice;
@@ -51,8 +51,8 @@ impl Trial {
     ) -> Result<Self> {
         let nothing = || Error::Option("there is nothing to solve for".to_owned());
         let recorder = Recorder { cpu: Cpu::new(), last: Mutex::new(None) };
-        let (lattices, whole) = lattices(bounds, lattice)?;
-        let scene = scene(sections, bounds, &lattices, whole, method, &recorder);
+        let space = Space::new(sections, bounds, lattice, method)?;
+        let scene = scene(sections, &space, method, &recorder);
         let label = labels(sections).first().copied().ok_or_else(nothing)?;
         LabelField::new(&scene, label)?;
         let last = recorder.last.into_inner().unwrap_or_else(PoisonError::into_inner);
