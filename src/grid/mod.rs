@@ -1,8 +1,8 @@
 //! The grid: the field sampled sparsely in an OpenVDB tree.
 //!
 //! ```text
-//! lattice ─► contour (voxels that contours pass) ─► sampling ─► samples ─► smoothing ─► samples
-//!                                                                mesh ─► distance (level sets)
+//! lattice ─► contour (voxels that contours pass) ─► sampling ─► samples
+//!                                                  mesh ─► distance (level sets)
 //! ```
 
 pub mod contour;
@@ -16,7 +16,6 @@ mod locate;
 pub mod memory;
 pub mod samples;
 pub mod sampling;
-pub mod smoothing;
 mod winding;
 
 pub use locate::Cells;

@@ -27,10 +27,13 @@
 //! a narrow band around the surface and the contours on ever finer lattices, started
 //! from the interpolated level below, which is also the band's boundary condition.
 //!
+//! The same energy smooths a surface that another method made ([`smoothing`]).
+//!
 //! ```text
 //! outline, plane_samples ─► label_field: level ─► system ─► backend (cpu) ─► level … ─► assembly ─► Samples
 //! ```
 
+mod anchor;
 mod assembly;
 mod backend;
 mod cpu;
@@ -39,6 +42,7 @@ mod level;
 mod outline;
 mod plane_samples;
 mod segments;
+pub mod smoothing;
 mod stencil;
 mod system;
 
@@ -145,14 +149,21 @@ pub fn variational(
         whole,
         unit: bounds.size().max_element() / UNIT_VOXELS,
         weights: &method.weights,
+        original: None,
         backend: &backend,
     };
-    let labels = labels(sections);
-    progress.begin("field", labels.len() as u64);
+    let (samples, effort) = solve(&scene, "field", progress)?;
+    Ok(Solved { samples, effort, device: backend.name() })
+}
+
+/// Solves for all labels.
+fn solve(scene: &Scene, stage: &'static str, progress: &dyn Progress) -> Result<(Samples, Effort)> {
+    let labels = labels(scene.sections);
+    progress.begin(stage, labels.len() as u64);
     let fields: Vec<LabelField> = labels
         .par_iter()
         .map(|&label| {
-            let field = LabelField::new(&scene, label)?;
+            let field = LabelField::new(scene, label)?;
             progress.advance(1);
             Ok(field)
         })
@@ -162,8 +173,7 @@ pub fn variational(
         effort.unknowns += field.effort.unknowns;
         effort.updates += field.effort.updates;
     }
-    let samples = assembly::assemble(fields, &scene);
-    Ok(Solved { samples, effort, device: backend.name() })
+    Ok((assembly::assemble(fields, scene), effort))
 }
 
 /// The labels that get a field: with a single material that one alone, since the

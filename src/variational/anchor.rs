@@ -1,0 +1,158 @@
+//! A surface that a field is drawn to: its nodes near it to the signed distance
+//! from it, as far as differences longer than a given length are concerned.
+//!
+//! With g the signed distance, the energy gets the term λ Σ (f − g)² over the nodes
+//! less than [`HALF_WIDTH`] voxels from the surface. Beside Σ‖Hess f‖² it lets waves
+//! of g through that are long against ℓ = λ^(−¼) and stops shorter ones: of one with
+//! the wave number k, 1 / (1 + (k ℓ)⁴) is left. So λ = (voxel / ℓ)⁴ is the same
+//! filter on every lattice.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::grid::distance::{HALF_WIDTH, NarrowBand, band_around, inside};
+use crate::grid::leaf_grid::LeafGrid;
+use crate::grid::samples::LEAF_NODES;
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::mesh::caps::CAP_TOLERANCE;
+use crate::mesh::nearest::Nearest;
+use crate::plane::Bounds;
+
+use super::label_field::node_of;
+use super::level::Level;
+use super::system::Anchors;
+
+/// Voxels that fit into ℓ at least, for a level to change anything.
+const VOXELS_OF_LENGTH: f64 = 2.0;
+
+/// What is smoothed, for all labels.
+#[derive(Debug, Clone, Copy)]
+pub struct Original<'a> {
+    /// The network of surfaces.
+    pub mesh: &'a Mesh,
+    /// The box, when it is open: the caps on its faces draw nothing.
+    pub open: Option<Bounds>,
+    /// ℓ, in world units.
+    pub length: f64,
+    /// The smallest voxels, on which there is always a solution.
+    pub finest: f64,
+}
+
+impl Original<'_> {
+    /// Whether a level is fine enough to be solved for: on others the surface is
+    /// as it was.
+    pub fn is_solved(&self, voxel: f64) -> bool {
+        voxel == self.finest || VOXELS_OF_LENGTH * voxel <= self.length
+    }
+}
+
+/// The surface that one label's field is drawn to.
+#[derive(Debug)]
+pub struct Anchor<'a> {
+    vertices: &'a [DVec3],
+    /// Around the label; for *outside* around all materials.
+    solid: Vec<[u32; 3]>,
+    /// Those that distances are measured from.
+    sheets: Vec<[u32; 3]>,
+    /// What a distance inside of the solid is multiplied with.
+    sign: f32,
+    length: f64,
+}
+
+impl<'a> Anchor<'a> {
+    /// Of a label; `None` where it has no surface.
+    pub fn new(original: &Original<'a>, label: Label, voxel: f64) -> Option<Self> {
+        let Original { mesh, open, length, .. } = *original;
+        let is_outside = label == Label::OUTSIDE;
+        let solid = mesh
+            .triangles_around(|side| if is_outside { side.is_material() } else { side == label });
+        let is_cap = |triangle: &[u32; 3]| {
+            let corners = triangle.map(|vertex| mesh.vertices[vertex as usize]);
+            let face = |bounds: Bounds| bounds.common_face(&corners, CAP_TOLERANCE * voxel);
+            open.and_then(face).is_some()
+        };
+        let sheets: Vec<[u32; 3]> =
+            solid.par_iter().copied().filter(|triangle| !is_cap(triangle)).collect();
+        let sign = if is_outside { -1.0 } else { 1.0 };
+        (!sheets.is_empty()).then_some(Self {
+            vertices: &mesh.vertices,
+            solid,
+            sheets,
+            sign,
+            length,
+        })
+    }
+
+    /// The signed distances on the nodes of a level near the surface, in voxels,
+    /// positive where the label is, cut off at [`HALF_WIDTH`].
+    pub fn band(&self, level: &Level) -> LeafGrid {
+        let NarrowBand { leaves, values } =
+            band_around(&level.lattice, self.vertices, &self.solid, &self.sheets);
+        let mut grid = LeafGrid::new(level.domain.low, level.domain.high);
+        let is_kept = leaves.iter().map(|&leaf| grid.may_hold(leaf)).collect::<Vec<_>>();
+        grid.add(leaves);
+        let kept = values.as_chunks::<LEAF_NODES>().0.iter().zip(is_kept).filter(|one| one.1);
+        let own = grid.values_mut().as_chunks_mut::<LEAF_NODES>().0;
+        for (own, (values, _)) in own.iter_mut().zip(kept) {
+            *own = values.map(|value| -self.sign * value);
+        }
+        grid
+    }
+
+    /// The same on all nodes, and not cut off. What is beyond an open box has the
+    /// values of the nearest nodes that are not.
+    ///
+    /// # Errors
+    /// When the surface has no area.
+    pub fn everywhere(&self, level: &Level, is_open: bool) -> Result<LeafGrid> {
+        let lattice = &level.lattice;
+        let mut grid = LeafGrid::new(level.domain.low, level.domain.high);
+        grid.add(grid.all_places());
+        let place = |node: [i32; 3]| if is_open { lattice.nearest_inner(node) } else { node };
+        let leaves = grid.leaves();
+        let nodes = |leaf: &[i32; 3]| {
+            let leaf = *leaf;
+            (0..LEAF_NODES).map(move |node| place(node_of(leaf, node)))
+        };
+        let points: Vec<DVec3> =
+            leaves.par_iter().flat_map_iter(nodes).map(|node| lattice.position(node)).collect();
+        let nearest = Nearest::new(self.vertices, self.sheets.as_flattened())?;
+        let distances = nearest.distances(&points)?;
+        let solid = inside(lattice, self.vertices, &self.solid, leaves);
+        let mut signs = LeafGrid::new(level.domain.low, level.domain.high);
+        signs.add(leaves.iter().copied());
+        for (sign, is_inside) in signs.values_mut().iter_mut().zip(solid) {
+            *sign = if is_inside { self.sign } else { -self.sign };
+        }
+        let of_node = |index: usize| {
+            let node = place(node_of(leaves[index / LEAF_NODES], index % LEAF_NODES));
+            let sign = signs.value(node).unwrap_or(-self.sign);
+            sign * (distances[index] / lattice.voxel) as f32
+        };
+        let values: Vec<f32> = (0..distances.len()).into_par_iter().map(of_node).collect();
+        grid.values_mut().copy_from_slice(&values);
+        Ok(grid)
+    }
+
+    /// What draws the nodes of leaves of a level, by the signed distances there.
+    pub fn anchors(
+        &self,
+        level: &Level,
+        distances: &LeafGrid,
+        leaves: &[[i32; 3]],
+        is_open: bool,
+    ) -> Anchors {
+        let weight = (level.lattice.voxel / self.length).powi(4) as f32;
+        let of_node = |index: usize| {
+            let node = node_of(leaves[index / LEAF_NODES], index % LEAF_NODES);
+            let is_known = !is_open || level.lattice.is_inner(node);
+            let near = |distance: &f32| is_known && f64::from(distance.abs()) < HALF_WIDTH;
+            distances.value(node).filter(near).map_or((0.0, 0.0), |distance| (weight, distance))
+        };
+        let (weights, targets) =
+            (0..leaves.len() * LEAF_NODES).into_par_iter().map(of_node).unzip();
+        Anchors { weights, targets }
+    }
+}
