@@ -20,6 +20,7 @@ use transect::field::{Adapter, Boundaries, Cpu, Field, Gpu, Queries, Reference, 
 use transect::io;
 use transect::label::Label;
 use transect::mask::{Blobs, Mask, mask};
+use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
 use transect::oracle::Oracle;
 use transect::plane::Bounds;
@@ -31,6 +32,9 @@ use transect::stage::Stages;
 /// The stages that are shown, in their order.
 const STAGES: [&str; 7] =
     ["read", "arrangement", "completion", "field", "smoothing", "mesh", "check"];
+/// The methods whose stages are shown, the default first.
+const METHODS: [(&str, fn() -> Method); 2] =
+    [("variational", Method::default), ("mvc", || Method::MeanValue(MeanValue::default()))];
 /// The blobs that are made unknown.
 const BLOBS: Blobs = Blobs { fraction: 0.2, size: 0.2, seed: 1 };
 /// Points that the oracle is timed on, and plain floats.
@@ -51,11 +55,17 @@ fn main() -> Result<()> {
     println!("{:>9}{:>11}{:>14}{:>14}", "all", "peak MiB", "evaluations", "triangles");
     let mut models = Vec::new();
     for file in files {
-        let (model, known) = reconstruct(&file, Ok)?;
         let masked = Mask { blobs: Some(BLOBS), frame: None };
-        let (partial, unknown) = reconstruct(&file, |sections| mask(sections, &masked))?;
-        println!("{:<22}× {:.2} with a fifth unknown, the row above", "", unknown / known);
-        models.push((name(&file), model, partial));
+        for (method_name, method) in METHODS {
+            let (model, known) = reconstruct(&file, method(), Ok)?;
+            let (partial, unknown) =
+                reconstruct(&file, method(), |sections| mask(sections, &masked))?;
+            let factor = unknown / known;
+            println!("{method_name:<22}× {factor:.2} with a fifth unknown, the row above");
+            if matches!(model.options().method, Method::MeanValue(_)) {
+                models.push((name(&file), model, partial));
+            }
+        }
     }
     println!("\n{:<22}{:>14}  G edge evaluations a second (× the reference)", "", "edges/point");
     for (name, model, _) in &models {
@@ -103,19 +113,20 @@ fn arrangement(model: &Model) -> Result<&Arrangement> {
 /// stages.
 fn reconstruct(
     file: &Path,
+    method: Method,
     change: impl FnOnce(Sections) -> Result<Sections>,
 ) -> Result<(Model, f64)> {
     let mut stages = Stages::default();
     let rules = Rules::default();
     let sections = stages.run("read", |_| io::read_sections(file, &rules))?;
     let sections = change(sections)?;
-    let mut model = Model::new(Options::default());
+    let mut model = Model::new(Options { method, ..Options::default() });
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
     stages.run("check", |_| {
         let options = check::Options::default();
-        let lattice = &derived.samples.lattice;
-        check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
+        let samples = &derived.samples;
+        check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
     })?;
     print!("{:<22}", name(file));
     STAGES.iter().for_each(|stage| print!("{:>12.3}", stages.seconds_of(stage)));

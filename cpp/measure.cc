@@ -171,6 +171,8 @@ struct Tree::Impl {
   using Primitive = CGAL::AABB_triangle_primitive<Plain, Triangles::const_iterator>;
 
   Triangles triangles;
+  // Their numbers before those without area were left out.
+  std::vector<uint32_t> numbers;
   CGAL::AABB_tree<CGAL::AABB_traits<Plain, Primitive>> tree;
 
   Impl(rust::Slice<const double> points, rust::Slice<const uint32_t> corners) {
@@ -182,7 +184,9 @@ struct Tree::Impl {
     for (size_t i = 0; i + 2 < corners.size(); i += 3) {
       const Plain::Triangle_3 triangle(point(corners[i]), point(corners[i + 1]),
                                        point(corners[i + 2]));
-      if (!triangle.is_degenerate()) triangles.push_back(triangle);
+      if (triangle.is_degenerate()) continue;
+      triangles.push_back(triangle);
+      numbers.push_back(static_cast<uint32_t>(i / 3));
     }
     if (triangles.empty()) throw std::invalid_argument("a mesh without area has no distances");
     tree.insert(triangles.cbegin(), triangles.cend());
@@ -208,6 +212,18 @@ rust::Vec<double> distances(const Tree& tree, rust::Slice<const double> points) 
     distances.push_back(std::sqrt(tree.impl().tree.squared_distance(point)));
   }
   return distances;
+}
+
+rust::Vec<uint32_t> nearest_triangles(const Tree& tree, rust::Slice<const double> points) {
+  const Tree::Impl& impl = tree.impl();
+  rust::Vec<uint32_t> numbers;
+  numbers.reserve(points.size() / 3);
+  for (size_t i = 0; i + 2 < points.size(); i += 3) {
+    const Tree::Impl::Plain::Point_3 point(points[i], points[i + 1], points[i + 2]);
+    const auto triangle = impl.tree.closest_point_and_primitive(point).second;
+    numbers.push_back(impl.numbers[triangle - impl.triangles.cbegin()]);
+  }
+  return numbers;
 }
 
 Soup read_soup(rust::Str path) {

@@ -31,6 +31,7 @@ pub mod check;
 pub mod cli;
 pub mod compare;
 pub mod crosscheck;
+pub mod direction;
 pub mod error;
 pub mod ffi;
 pub mod field;

@@ -26,9 +26,6 @@ use crate::stage::Stages;
 use crate::variational::smoothing::smoothed;
 use crate::variational::variational;
 
-/// How far the box reaches beyond all contours, relative to their diagonal.
-const MARGIN: f64 = 0.05;
-
 /// How near to a plane the field is told from its limit, in voxels: nearer
 /// points are taken to be this far away. On the plane the indicator is a
 /// step, in which an interpolated crossing would be lost.
@@ -123,18 +120,14 @@ impl Model {
     }
 }
 
-/// The box: all contours with a margin, in which the surface closes.
+/// The box in which the surface closes.
 ///
 /// # Errors
 /// When there is no contour, or nothing known at all.
 fn bounds_of(sections: &Sections) -> Result<Bounds> {
     sections.require_known()?;
-    let Some(contours) = sections.bounds() else {
-        return Err(Error::Option(
-            "there is nothing to reconstruct: no section has a contour".to_owned(),
-        ));
-    };
-    Ok(contours.grown(MARGIN * contours.diagonal()))
+    let what = "there is nothing to reconstruct: no section has a contour";
+    sections.space().ok_or_else(|| Error::Option(what.to_owned()))
 }
 
 /// What methods derive from.

@@ -43,7 +43,7 @@ pub struct Report {
     pub exact: Option<Details>,
     /// What the result is worth.
     pub check: Check,
-    /// What was doubtful about the sections.
+    /// What was doubtful about the sections, and then what is about the result.
     pub warnings: Vec<Warning>,
     /// What was left out of them.
     pub left_out: Vec<Warning>,
@@ -62,6 +62,8 @@ impl Report {
     /// The report of a model that was derived and checked.
     pub fn new(model: &Model, derived: &Derived, check: Check, stages: &Stages) -> Self {
         let sections = model.sections();
+        let mut warnings = sections.warnings.clone();
+        warnings.extend(check.warnings(&sections.materials));
         Self {
             transect: "report",
             version: VERSION,
@@ -76,7 +78,7 @@ impl Report {
             voxel: derived.samples.lattice.voxel,
             exact: derived.exact.clone(),
             check,
-            warnings: sections.warnings.clone(),
+            warnings,
             left_out: sections.left_out.clone(),
             disagreements: sections.disagreements(),
             stages: stages.stages.clone(),

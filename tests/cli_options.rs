@@ -202,6 +202,87 @@ fn a_section_without_contours_has_no_blobs_but_a_frame() {
     }
 }
 
+/// Width and height of a PNG file, from its header.
+fn picture_size(path: &Path) -> [u32; 2] {
+    let bytes = fs::read(path).expect("a picture");
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes")))
+}
+
+#[test]
+fn pictures_are_taken_as_asked_for() {
+    let folder = folder();
+    let picture = |name: &str, more: &[&str]| {
+        let path = folder.path().join(name);
+        let more = [&["--quiet", "--size", "160,120"], more].concat();
+        assert_done(&reconstruct_small("organs.csl", &path, &more));
+        assert_eq!(picture_size(&path), [160, 120], "{name}");
+        fs::read(&path).expect("a picture")
+    };
+    let front = picture("front.png", &["--view", "front"]);
+    // In a plain frame the front is at -y, and z is up.
+    assert_eq!(front, picture("y.png", &["--view", "-y", "--up", "z"]));
+    assert_eq!(front, picture("vector.png", &["--view", "0,-2,0", "--up", "0,0,5"]));
+    assert_ne!(front, picture("turned.png", &["--view", "front", "--up", "-z"]));
+    assert_ne!(front, picture("oblique.png", &["--view", "front-right-top"]));
+    let one = picture("one.png", &["--view", "front", "--labels", "1"]);
+    assert_ne!(front, one);
+    assert_eq!(front, picture("all.png", &["--view", "front", "--labels", "4,1,2"]));
+    // A size of its own, and names in place of numbers.
+    let wide = folder.path().join("wide.png");
+    assert_done(&reconstruct(folder.path(), &["wide.png"], &["--size", "300x90", "--quiet"]));
+    assert_eq!(picture_size(&wide), [300, 90]);
+    let small = ["--quiet", "--size", "160,120", "--labels"];
+    let of = |labels: &str| {
+        assert_done(&reconstruct(folder.path(), &["a.png"], &[&small[..], &[labels]].concat()));
+        fs::read(folder.path().join("a.png")).expect("a picture")
+    };
+    assert_eq!(of("liver,spine"), of("2, 3"));
+}
+
+#[test]
+fn what_cannot_be_a_picture_is_refused() {
+    let folder = folder();
+    let refused = |name: &str, more: &[&str], words: &[&str]| {
+        assert_refused(&reconstruct(folder.path(), &[name], more), words);
+    };
+    for option in [["--view", "front"], ["--up", "-z"], ["--size", "64,64"], ["--labels", "1"]] {
+        refused("a.ply", &option, &[option[0], ".png"]);
+    }
+    refused("a.png", &["--labels", "1,lung"], &["--labels", "\"lung\"", "3 (liver)", "7 (body)"]);
+    refused("a.png", &["--labels", "0"], &["\"0\"", "1 (vessels)"]);
+    for [option, value] in [
+        ["--view", "above"],
+        ["--view", "front-back"],
+        ["--view", "0,0,0"],
+        ["--view", "1,2"],
+        ["--up", "front"],
+        ["--up", "nan,0,1"],
+        ["--size", "100"],
+        ["--size", "0,100"],
+        ["--size", "20000,100"],
+        // 10,000 × 10,000 pixels are 100 million.
+        ["--size", "10000x10000"],
+        ["--size", "4294967296,100"],
+    ] {
+        let output = reconstruct(folder.path(), &["a.png"], &[option, value]);
+        assert_eq!(output.status.code(), Some(2), "{option} {value}");
+    }
+    assert!(entries(folder.path()).is_empty());
+}
+
+#[test]
+fn masked_sections_keep_what_is_up() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let text = fs::read_to_string(repository("examples/stripes.json")).expect("the example");
+    let text = text.replacen("\"version\": 1,", "\"version\": 1, \"up\": \"-y\",", 1);
+    fs::write(path("up.json"), text).expect("a file");
+    let mut mask = transect();
+    mask.arg("mask").arg(path("up.json")).args(["--blobs", "0.2"]);
+    assert_done(&run(mask.arg("-o").arg(path("masked.json"))));
+    assert_eq!(json(&path("masked.json"))["up"], "-y");
+}
+
 #[test]
 fn grids_are_those_that_were_asked_for() {
     let folder = folder();

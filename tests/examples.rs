@@ -7,6 +7,7 @@ use transect::check::{Check, Options as CheckOptions, check};
 use transect::grid::lattice::Resolution;
 use transect::io::read_all;
 use transect::mask::{Blobs, Mask, mask};
+use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
 use transect::progress::Silent;
 use transect::section::{Rules, Sections};
@@ -22,14 +23,15 @@ fn read(names: &[&str]) -> Sections {
 /// `spacing` is that of the triangulation of unknown regions.
 fn reconstruct(sections: Sections, voxels: u32, spacing: Option<f64>) -> Check {
     let resolution = Resolution::Voxels(voxels);
-    let mut model = Model::new(Options { resolution, spacing, ..Options::default() });
+    let method = Method::MeanValue(MeanValue { spacing, ..MeanValue::default() });
+    let mut model = Model::new(Options { resolution, method });
     let mut stages = Stages::default();
     let change = Change::Add(sections);
     model.apply(change, &Rules::default(), &mut stages, &Silent).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
     let options = CheckOptions::default();
-    let lattice = &derived.samples.lattice;
-    let check = check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
+    let samples = &derived.samples;
+    let check = check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
         .expect("it can be checked");
     assert!(check.is_sound());
     check

@@ -8,6 +8,7 @@ use transect::check::{self, check};
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::caps::CAP_TOLERANCE;
+use transect::method::{MeanValue, Method};
 use transect::model::{Derived, Model, Options};
 use transect::plane::Plane;
 use transect::progress::Silent;
@@ -35,7 +36,8 @@ fn pipe() -> Sections {
 fn reconstructed(border: Label) -> Model {
     let spacing = Some(1.5);
     let resolution = Resolution::Voxels(64);
-    let options = Options { resolution, border, spacing, ..Options::default() };
+    let method = Method::MeanValue(MeanValue { border, spacing, ..MeanValue::default() });
+    let options = Options { method, resolution };
     let mut model = Model::new(options);
     let (rules, mut stages) = (Rules::default(), Stages::default());
     model.apply(Change::Add(pipe()), &rules, &mut stages, &Silent).expect("it reconstructs");
@@ -46,7 +48,7 @@ fn checked(model: &Model, caps: bool) -> check::Check {
     let Derived { mesh, samples, .. } = model.derived().expect("something was derived");
     let options =
         check::Options { open: samples.open.filter(|_| !caps), ..check::Options::default() };
-    check(&model.sections().sections, mesh, &samples.lattice, options, &Silent).expect("a check")
+    check(&model.sections().sections, mesh, samples, options, &Silent).expect("a check")
 }
 
 #[test]

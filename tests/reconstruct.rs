@@ -38,8 +38,8 @@ fn reconstruct(file: &str) -> Option<(Model, Check)> {
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
     let options = CheckOptions::default();
-    let lattice = &derived.samples.lattice;
-    let check = check(&model.sections().sections, &derived.mesh, lattice, options, &Silent)
+    let samples = &derived.samples;
+    let check = check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
         .expect("it can be checked");
     Some((model, check))
 }

@@ -6,6 +6,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::data;
+use glam::DVec3;
 use transect::error::Result;
 use transect::inspect::{Inspection, inspect};
 use transect::io::{csl, json, read_all, read_sections};
@@ -231,6 +232,53 @@ fn inspection_tells_what_is_unknown() {
     // Half of the frame: the triangle's hypotenuse is the diagonal.
     let found = inspect(&read("graph.json")).unwrap();
     assert_eq!((found.unknown[0].area, found.unknown[0].share), (Some(2.0), 0.5));
+}
+
+/// Sections as JSON with a member more.
+fn json_with(member: &str, offset: u32) -> Result<Sections> {
+    let text = format!(
+        r#"{{"transect": "sections", "version": 1, {member},
+            "sections": [{{"normal": [0, 0, 1], "offset": {offset}, "background": 1}}]}}"#
+    );
+    json::read(&text, Path::new("up.json"), &Rules::default())
+}
+
+#[test]
+fn json_keeps_what_is_up() {
+    for (written, up) in [
+        (r#""y""#, DVec3::Y),
+        (r#""-z""#, DVec3::NEG_Z),
+        ("[0, 1, 0]", DVec3::Y),
+        ("[0.1, -3, 1e300]", DVec3::new(0.1, -3.0, 1e300)),
+    ] {
+        let sections = json_with(&format!(r#""up": {written}"#), 0).expect(written);
+        assert_eq!(sections.up, Some(up), "{written}");
+        let mut text = Vec::new();
+        json::write(&sections, &mut text).expect("writing to memory");
+        let text = String::from_utf8(text).expect("text");
+        let again = json::read(&text, Path::new("b.json"), &Rules::default()).expect("sections");
+        assert_eq!(again.up, Some(up), "{text}");
+    }
+    for written in [r#""up""#, r#""w""#, "[0, 0, 0]", "[0, 1]", "7", "true"] {
+        let error = json_with(&format!(r#""up": {written}"#), 0).expect_err(written).to_string();
+        assert!(error.starts_with("up.json") && error.contains("\"up\""), "{error}");
+    }
+    // null and nothing are the same.
+    assert_eq!(json_with(r#""up": null"#, 0).expect("sections").up, None);
+}
+
+#[test]
+fn files_read_together_agree_on_what_is_up() {
+    let join = |[one, other]: [&str; 2]| {
+        let parts = [json_with(one, 0), json_with(other, 1)];
+        Sections::join(parts.map(|part| part.expect("sections")).to_vec(), &Rules::default())
+    };
+    let none = r#""frame": """#;
+    for parts in [[r#""up": "y""#, r#""up": [0, 2, 0]"#], [none, r#""up": "y""#]] {
+        assert_eq!(join(parts).expect("sections").up.map(|up| up.normalize()), Some(DVec3::Y));
+    }
+    let error = join([r#""up": "y""#, r#""up": "z""#]).expect_err("they differ").to_string();
+    assert!(error.contains("\"up\""), "{error}");
 }
 
 #[test]

@@ -6,7 +6,8 @@ use transect::change::Change;
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
-use transect::model::{Method, Model, Options as ModelOptions};
+use transect::method::{Method, Skeleton};
+use transect::model::{Model, Options as ModelOptions};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
 use transect::section::{Loop, Overlap, Rules, Section, Sections};
@@ -194,9 +195,8 @@ fn too_many_patches_are_left_to_the_grid() {
     let rules = Rules::default();
     let sections = Sections::new((-3..=3).map(patch).collect(), &rules).expect("sections");
     let options = ModelOptions {
-        method: Method::Skeleton { options: Options::default(), fairing: None },
+        method: Method::Skeleton(Skeleton::default()),
         resolution: Resolution::Voxels(32),
-        ..ModelOptions::default()
     };
     let mut model = Model::new(options);
     model.apply(Change::Add(sections), &rules, &mut Stages::default(), &Silent).expect("a model");

@@ -9,6 +9,7 @@ use transect::change::Change;
 use transect::check::{self, check};
 use transect::label::Label;
 use transect::mesh::Mesh;
+use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
@@ -183,13 +184,16 @@ fn all_domains_of_four_balls_come_back() {
     }
     let sections = sections();
     assert_eq!(sections.sections.len(), 15);
-    let mut model = Model::new(Options::default());
+    let mut model = Model::new(Options {
+        method: Method::MeanValue(MeanValue::default()),
+        ..Options::default()
+    });
     let (rules, mut stages) = (Rules::default(), Stages::default());
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).unwrap();
     let derived = model.derived().unwrap();
-    let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
+    let (mesh, samples) = (&derived.mesh, &derived.samples);
     let options = check::Options::default();
-    let found = check(&model.sections().sections, mesh, lattice, options, &Silent).unwrap();
+    let found = check(&model.sections().sections, mesh, samples, options, &Silent).unwrap();
 
     assert_eq!(mesh.labels(), (1..16).map(Label).collect::<Vec<_>>());
     assert_eq!(found.labels.len(), 15);

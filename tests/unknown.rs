@@ -8,6 +8,7 @@ use transect::check::{Check, Options as CheckOptions, check};
 use transect::grid::lattice::Resolution;
 use transect::io::json;
 use transect::mesh::facts::Facts;
+use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
 use transect::progress::Silent;
 use transect::section::Rules;
@@ -19,20 +20,16 @@ fn reconstruct(sections: &[String], voxels: u32) -> Check {
     let text = format!(r#"{{"transect": "sections", "version": 1, "sections": [{sections}]}}"#);
     let rules = Rules::default();
     let sections = json::read(&text, Path::new("test"), &rules).expect("sections");
-    let options = Options { resolution: Resolution::Voxels(voxels), ..Options::default() };
+    let method = Method::MeanValue(MeanValue::default());
+    let options = Options { method, resolution: Resolution::Voxels(voxels) };
     let mut model = Model::new(options);
     let mut stages = Stages::default();
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
     let options = CheckOptions::default();
-    let check = check(
-        &model.sections().sections,
-        &derived.mesh,
-        &derived.samples.lattice,
-        options,
-        &Silent,
-    )
-    .expect("it can be checked");
+    let check =
+        check(&model.sections().sections, &derived.mesh, &derived.samples, options, &Silent)
+            .expect("it can be checked");
     assert!(check.is_sound());
     check
 }

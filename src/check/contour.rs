@@ -1,15 +1,18 @@
 //! How far the contours are from the surface.
 
+use std::collections::BTreeMap;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::overlap::Here;
+use crate::arrangement::components;
 use crate::error::Result;
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::nearest::Nearest;
-use crate::section::Section;
+use crate::section::{Edge, Section};
 
 /// Beyond how many voxels a contour vertex counts as far from the surface,
 /// and below which width a contour counts as thin.
@@ -48,6 +51,21 @@ pub struct Contours {
     /// within the label, or none within one other label, comes within one voxel
     /// of the vertex.
     pub thin: Vec<Place>,
+    /// What of each label's contours the surface does not reach.
+    #[serde(skip)]
+    pub unreached: BTreeMap<Label, Unreached>,
+}
+
+/// What of a label's contours its surface does not come near to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Unreached {
+    /// Whole contours: connected lines around the label on a section, of which
+    /// no vertex is within [`LIMIT`] of the surface.
+    pub contours: usize,
+    /// How long the edges are whose ends are both farther, in world units.
+    pub length: f64,
+    /// How much of that is where the contour is thin at both ends.
+    pub thin_length: f64,
 }
 
 /// Measures all sections; `voxel` in world units.
@@ -66,6 +84,7 @@ pub fn contours(sections: &[Section], mesh: &Mesh, voxel: f64) -> Result<Contour
             result.largest = result.largest.max(measured.largest);
             result.far.extend(measured.far);
             result.thin.extend(measured.thin);
+            result.unreached.entry(label).or_default().add(measured.unreached);
         }
     }
     result.mean = if result.vertices > 0 { sum / result.vertices as f64 } else { 0.0 };
@@ -88,6 +107,50 @@ struct Measured {
     largest: f64,
     far: Option<Place>,
     thin: Option<Place>,
+    unreached: Unreached,
+}
+
+/// Where a contour vertex is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reach {
+    Near,
+    Far,
+    /// Far, and the contour is thin.
+    Thin,
+}
+
+impl Unreached {
+    fn add(&mut self, other: Self) {
+        self.contours += other.contours;
+        self.length += other.length;
+        self.thin_length += other.thin_length;
+    }
+
+    /// Of a label on a section, from how far its vertices are, which are
+    /// sorted.
+    fn new(section: &Section, label: Label, vertices: &[u32], reach: &[Reach]) -> Self {
+        let mut own = Self::default();
+        let place = |vertex: u32| vertices.binary_search(&vertex).ok();
+        let ends = known_edges(section, label).filter_map(|edge| {
+            let ends = [place(edge.start)?, place(edge.end)?];
+            let [start, end] = [edge.start, edge.end].map(|vertex| section.point(vertex));
+            Some((ends, start.distance(end)))
+        });
+        let mut lines = Vec::new();
+        for (ends, length) in ends {
+            lines.push(ends.map(|end| end as u32));
+            let reach = ends.map(|end| reach[end]);
+            own.length += if reach.contains(&Reach::Near) { 0.0 } else { length };
+            own.thin_length += if reach == [Reach::Thin; 2] { length } else { 0.0 };
+        }
+        let contour = components(vertices.len() as u32, lines.into_iter());
+        let mut is_reached = vec![false; contour.iter().max().map_or(0, |&last| last as usize + 1)];
+        for (&contour, &reach) in contour.iter().zip(reach) {
+            is_reached[contour as usize] |= reach == Reach::Near;
+        }
+        own.contours = is_reached.iter().filter(|&&is_reached| !is_reached).count();
+        own
+    }
 }
 
 fn measure(
@@ -104,10 +167,19 @@ fn measure(
     };
     let mut measured = Measured::default();
     let around = Surroundings::new(section, voxel);
+    let mut reach = Vec::with_capacity(vertices.len());
     for ((&vertex, point), distance) in vertices.iter().zip(points).zip(distances) {
         let distance = distance / voxel;
         let far = distance > LIMIT;
-        if far && around.is_thin(vertex, label) {
+        let thin = far && around.is_thin(vertex, label);
+        reach.push(if thin {
+            Reach::Thin
+        } else if far {
+            Reach::Far
+        } else {
+            Reach::Near
+        });
+        if thin {
             note(&mut measured.thin, section, label, point, distance);
             continue;
         }
@@ -120,18 +192,23 @@ fn measure(
             measured.largest = measured.largest.max(distance);
         }
     }
+    measured.unreached = Unreached::new(section, label, &vertices, &reach);
     Ok(measured)
 }
 
-/// The vertices of edges between a label and something known, sorted.
-fn contour_vertices(section: &Section, label: Label) -> Vec<u32> {
-    let mut vertices: Vec<u32> = section
+/// The edges between a label and something known.
+fn known_edges(section: &Section, label: Label) -> impl Iterator<Item = &Edge> {
+    section
         .edges()
         .iter()
-        .filter(|edge| edge.left == label || edge.right == label)
+        .filter(move |edge| edge.left == label || edge.right == label)
         .filter(|edge| edge.left != Label::UNKNOWN && edge.right != Label::UNKNOWN)
-        .flat_map(|edge| [edge.start, edge.end])
-        .collect();
+}
+
+/// The vertices of these edges, sorted.
+fn contour_vertices(section: &Section, label: Label) -> Vec<u32> {
+    let mut vertices: Vec<u32> =
+        known_edges(section, label).flat_map(|edge| [edge.start, edge.end]).collect();
     vertices.sort_unstable();
     vertices.dedup();
     vertices
@@ -340,5 +417,34 @@ mod tests {
         let absent = disc(FLOOR, 0.5, 12, Label(7));
         let found = contours(&[absent], &ball, voxel).unwrap();
         assert_eq!((found.far[0].distance, found.far[0].vertices), (None, 12));
+        // The outline of a regular polygon of 12 corners.
+        let around = 24.0 * (std::f64::consts::PI / 12.0).sin();
+        let lost = found.unreached[&Label(7)];
+        assert!((lost.length - 0.5 * around).abs() < 1e-12);
+        assert_eq!((lost.contours, lost.thin_length), (1, 0.0));
+    }
+
+    #[test]
+    fn what_the_surface_does_not_reach_is_told_by_its_length() {
+        // On a section of a ball of radius 0.8 a polygon with two corners on the
+        // ball and two far from it, which are thin no more than those, and a speck
+        // beside that is lost as a whole, thin all over.
+        let ball = solid(31, 1.0, |point| 0.8 - point.length());
+        let voxel = 2.0 / 30.0;
+        let corners = [[0.8, 0.0], [3.0, -0.5], [3.0, 0.5], [0.0, 0.8]].map(DVec2::from);
+        let mut both = section(FLOOR, &corners, Label(1));
+        let speck = disc(FLOOR, 0.9 * voxel, 12, Label(1));
+        both.vertices.extend(speck.vertices.iter().map(|vertex| vertex + DVec2::new(-2.0, 0.0)));
+        both.edges.extend(speck.edges.iter().map(|edge| Edge {
+            start: edge.start + 4,
+            end: edge.end + 4,
+            ..*edge
+        }));
+        let lost = contours(&[both], &ball, voxel).unwrap().unreached[&Label(1)];
+        let outline = 24.0 * (std::f64::consts::PI / 12.0).sin() * 0.9 * voxel;
+        // Only the side between the two far corners has both ends out of reach.
+        assert!((lost.length - (1.0 + outline)).abs() < 1e-9, "{lost:?}");
+        assert!((lost.thin_length - outline).abs() < 1e-9, "{lost:?}");
+        assert_eq!(lost.contours, 1);
     }
 }

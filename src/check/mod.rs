@@ -1,12 +1,19 @@
 //! What a result is worth: how well it agrees with the sections, and whether
 //! its surfaces are what they should be.
 
+pub mod afloat;
+pub mod cavalieri;
+mod components;
 pub mod contour;
 pub mod overlap;
+pub mod passage;
+mod raster;
+pub mod ripple;
 #[cfg(test)]
 pub(crate) mod shapes;
 pub mod support;
 pub mod unknown;
+pub mod warnings;
 
 use std::collections::BTreeMap;
 
@@ -14,16 +21,23 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::error::Result;
-use crate::grid::samples::Lattice;
+use crate::grid::labels::LabelGrid;
+use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::mesh::facts::Facts;
 use crate::mesh::{Mesh, Surface};
 use crate::plane::Bounds;
 use crate::progress::Progress;
-use crate::section::Section;
-use contour::Contours;
+use crate::section::{Section, Stack};
+use afloat::Afloat;
+use cavalieri::Cavalieri;
+use components::Components;
+use contour::{Contours, Unreached};
 use overlap::Counts;
+use passage::{Passage, passages};
+use raster::Raster;
+use ripple::{Ripple, ripples};
 use support::{Support, support};
 
 /// What is measured besides the rest.
@@ -45,6 +59,8 @@ pub struct Check {
     pub dice: Agreement,
     /// The contours' distances to it.
     pub contours: Contours,
+    /// The stack, where the sections are one.
+    pub stack: Option<StackCheck>,
     /// Every material of the sections and of the mesh, by number.
     pub labels: Vec<LabelCheck>,
     /// Where the surface is farthest from what is known.
@@ -54,6 +70,17 @@ pub struct Check {
     pub outside_volume: f64,
     /// The volume of the lattice's box, in cubic world units.
     pub box_volume: f64,
+}
+
+/// Sections that are parallel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StackCheck {
+    /// Their common normal, of length one.
+    pub direction: [f64; 3],
+    /// The smallest distance between neighbours, in world units.
+    pub least_spacing: f64,
+    /// The largest.
+    pub largest_spacing: f64,
 }
 
 /// Dice's coefficient between sections and the mesh's cuts by their planes,
@@ -96,6 +123,17 @@ pub struct LabelCheck {
     pub open_edges: usize,
     /// Whether all of them lie on the box.
     pub open_at_box: bool,
+    /// Area times spacing, where the sections are a stack.
+    pub cavalieri: Option<Cavalieri>,
+    /// Where regions begin and end between neighbouring sections of a stack, or
+    /// are torn.
+    pub passages: Vec<Passage>,
+    /// Pieces that no section passes through.
+    pub afloat: Afloat,
+    /// Whether the surface ripples in step with the sections.
+    pub ripple: Option<Ripple>,
+    /// What of the contours the surface does not reach.
+    pub unreached: Unreached,
 }
 
 impl Check {
@@ -108,17 +146,18 @@ impl Check {
     }
 }
 
-/// Checks a mesh made on a lattice, with its caps, against the sections it was
-/// made from.
+/// Checks a mesh made from samples, with its caps, against the sections these
+/// were made from.
 pub fn check(
     sections: &[Section],
     mesh: &Mesh,
-    lattice: &Lattice,
+    samples: &Samples,
     options: Options,
     progress: &dyn Progress,
 ) -> Result<Check> {
+    let lattice = &samples.lattice;
     let labels = labels(sections, mesh);
-    progress.begin("check", (sections.len() + labels.len()) as u64 + 2);
+    progress.begin("check", (sections.len() + labels.len()) as u64 + 3);
     let dice = agreement(sections, mesh, lattice, progress);
     let contours = contour::contours(sections, mesh, lattice.voxel)?;
     progress.advance(1);
@@ -127,12 +166,31 @@ pub fn check(
     let used = opened.as_ref().unwrap_or(mesh);
     let support = support(used, sections, lattice.voxel);
     progress.advance(1);
+    let stack = Stack::new(sections);
+    let passages = passages_of(sections, stack.as_ref(), samples, &labels);
+    let ripples = ripples(used, sections, &labels, lattice.voxel);
+    progress.advance(1);
     let labels: Vec<LabelCheck> = labels
         .par_iter()
-        .map(|&label| {
-            let facts = mesh.surface(label).facts(options.self_intersections)?;
+        .zip(passages)
+        .zip(ripples)
+        .map(|((&label, passages), ripple)| {
+            let surface = mesh.surface(label);
+            let facts = surface.facts(options.self_intersections)?;
             progress.advance(1);
-            let closed = LabelCheck { label: label.0, facts, open_edges: 0, open_at_box: true };
+            let stack = stack.as_ref();
+            let cavalieri = |stack| Cavalieri::new(stack, sections, label, facts.volume);
+            let closed = LabelCheck {
+                label: label.0,
+                cavalieri: stack.and_then(cavalieri),
+                facts,
+                open_edges: 0,
+                open_at_box: true,
+                passages,
+                afloat: Afloat::new(&surface, sections),
+                ripple,
+                unreached: contours.unreached.get(&label).copied().unwrap_or_default(),
+            };
             let Some(bounds) = options.open else { return Ok(closed) };
             Ok(closed.without_caps(&used.surface(label), bounds, tolerance))
         })
@@ -144,11 +202,41 @@ pub fn check(
         voxel: lattice.voxel,
         dice,
         contours,
+        stack: stack.as_ref().map(StackCheck::new),
         labels,
         support,
         outside_volume: box_volume - materials,
         box_volume,
     })
+}
+
+impl StackCheck {
+    fn new(stack: &Stack) -> Self {
+        let spacings = stack.spacings();
+        Self {
+            direction: stack.direction.to_array(),
+            least_spacing: spacings.iter().copied().fold(f64::INFINITY, f64::min),
+            largest_spacing: spacings.iter().copied().fold(0.0, f64::max),
+        }
+    }
+}
+
+/// What becomes of each label's regions between the sections of a stack, in
+/// the solid that samples show.
+fn passages_of(
+    sections: &[Section],
+    stack: Option<&Stack>,
+    samples: &Samples,
+    labels: &[Label],
+) -> Vec<Vec<Passage>> {
+    let Some(stack) = stack else { return vec![Vec::new(); labels.len()] };
+    let Lattice { origin, voxel, .. } = samples.lattice;
+    let rasters: Vec<Raster> = sections
+        .par_iter()
+        .map(|section| Raster::new(section, stack.direction, origin, voxel))
+        .collect();
+    let parts = Components::between(&LabelGrid::new(samples), stack);
+    passages(stack, sections, &parts, &rasters, labels)
 }
 
 impl LabelCheck {
@@ -220,7 +308,7 @@ mod tests {
     use crate::progress::Silent;
 
     /// A ball of radius 0.5 (label 1) inside a shell up to 0.8 (label 2).
-    fn nested() -> (Mesh, Lattice) {
+    fn nested() -> (Mesh, Samples) {
         let lattice = Lattice { origin: DVec3::splat(-1.0), voxel: 0.04, dims: [51; 3] };
         let samples = samples(lattice, |node| {
             let radius = lattice.position(node).length();
@@ -229,15 +317,15 @@ mod tests {
             let (ball, both) = (share(0.5), share(0.8));
             vec![ball, both - ball - 1.0]
         });
-        (dual(&samples, &Silent).unwrap(), lattice)
+        (dual(&samples, &Silent).unwrap(), samples)
     }
 
     #[test]
     fn a_ball_in_a_shell() {
-        let (mesh, lattice) = nested();
+        let (mesh, samples) = nested();
         let plane = Plane { normal: DVec3::Y, offset: 0.3 };
         let section = shapes::disc(plane, 0.4, 200, Label(1));
-        let check = check(&[section], &mesh, &lattice, Options::default(), &Silent).unwrap();
+        let check = check(&[section], &mesh, &samples, Options::default(), &Silent).unwrap();
         assert!(check.is_sound());
         let [ball, shell] = &check.labels[..] else { panic!("{:?}", check.labels) };
         let sphere = |radius: f64| 4.0 / 3.0 * PI * radius.powi(3);
@@ -267,7 +355,7 @@ mod tests {
         let sections = [shapes::disc(plane, radius, 200, Label(1))];
         let check = |mesh: &Mesh, open| {
             let options = Options { open, ..Options::default() };
-            super::check(&sections, mesh, &samples.lattice, options, &Silent).unwrap()
+            super::check(&sections, mesh, &samples, options, &Silent).unwrap()
         };
         let lateral = 2.0 * PI * radius * 2.0;
         let disc = PI * radius * radius;

@@ -1,6 +1,7 @@
 //! How well a section and the mesh's cut by its plane cover each other.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -55,23 +56,23 @@ pub fn overlap(section: &Section, mesh: &Mesh, pixel: f64) -> BTreeMap<Label, Co
 }
 
 /// Coordinates on a plane in pixels, counter-clockwise about its normal.
-struct Frame {
+pub(super) struct Frame {
     axes: [DVec3; 2],
 }
 
 impl Frame {
-    fn new(plane: &Plane, pixel: f64) -> Self {
+    pub(super) fn new(plane: &Plane, pixel: f64) -> Self {
         Self { axes: plane.tangents().map(|tangent| tangent / pixel) }
     }
 
-    fn place(&self, points: &[DVec3]) -> Vec<DVec2> {
+    pub(super) fn place(&self, points: &[DVec3]) -> Vec<DVec2> {
         let [first, second] = self.axes;
         points.iter().map(|point| DVec2::new(point.dot(first), point.dot(second))).collect()
     }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Source {
+pub(super) enum Source {
     Section,
     Mesh,
 }
@@ -87,19 +88,19 @@ struct Change {
 }
 
 /// Changes by row; the centre of pixel (i, j) is at (i + ½, j + ½).
-struct Rows {
+pub(super) struct Rows {
     changes: BTreeMap<i64, Vec<Change>>,
 }
 
 impl Rows {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { changes: BTreeMap::new() }
     }
 
     /// The rows whose centres lie in the half-open interval from an edge's
     /// lower to its higher end: a vertex on a row counts as above it, for all
     /// edges alike, so that what closes, closes on every row.
-    fn add(&mut self, source: Source, edges: &[Edge], points: &[DVec2]) {
+    pub(super) fn add(&mut self, source: Source, edges: &[Edge], points: &[DVec2]) {
         for edge in edges {
             let (start, end) = (points[edge.start as usize], points[edge.end as usize]);
             let upward = start.y < end.y;
@@ -115,6 +116,35 @@ impl Rows {
                 self.changes.entry(row).or_default().push(Change { pixel, source, from, to });
             }
         }
+    }
+
+    /// The first row with a change, and how many rows there are to the last.
+    pub(super) fn extent(&self) -> (i32, usize) {
+        let ends = (self.changes.first_key_value(), self.changes.last_key_value());
+        let (Some((&first, _)), Some((&last, _))) = ends else { return (0, 0) };
+        (first as i32, (last - first) as usize + 1)
+    }
+
+    /// The pixels of materials in a row, where there is one source and it has
+    /// this label far away.
+    pub(super) fn spans(&self, row: i64, background: Label) -> Vec<(Label, Range<i32>)> {
+        let mut changes = self.changes.get(&row).cloned().unwrap_or_default();
+        changes.sort_by_key(|change| change.pixel);
+        let mut here = Here::new(background);
+        let mut spans: Vec<(Label, Range<i32>)> = Vec::new();
+        for (place, change) in changes.iter().enumerate() {
+            here.change(change.from, change.to);
+            let next = changes.get(place + 1).map_or(change.pixel, |next| next.pixel);
+            let (label, pixels) = (here.label(), change.pixel as i32..next as i32);
+            match spans.last_mut() {
+                _ if pixels.is_empty() || !label.is_material() => {}
+                Some((last, known)) if *last == label && known.end == pixels.start => {
+                    known.end = pixels.end;
+                }
+                _ => spans.push((label, pixels)),
+            }
+        }
+        spans
     }
 }
 

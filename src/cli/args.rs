@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::DVec3;
 
 use crate::error::Error;
 use crate::field::Device;
@@ -11,6 +12,7 @@ use crate::label::Label;
 use crate::mesh::delaunay;
 use crate::method::Mesher;
 use crate::model;
+use crate::picture::{self, Viewpoint};
 use crate::section::{Overlap, Rules};
 
 /// Volumes and surfaces from labelled planar cross-sections of any orientation.
@@ -88,6 +90,8 @@ pub struct ReconstructArguments {
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
     #[command(flatten)]
+    pub picture: PictureArguments,
+    #[command(flatten)]
     pub reading: ReadingArguments,
     /// No progress, no warnings, no table
     #[arg(short, long)]
@@ -149,6 +153,31 @@ impl MeshingArguments {
                 }))
             }
         }
+    }
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct PictureArguments {
+    /// Where a picture is taken from: front, back, left, right, top, bottom, several of them as front-left-top, an axis (-y), or the direction X,Y,Z towards the viewer [default: what shows most]
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
+    pub view: Option<Viewpoint>,
+    /// What is up in a picture: an axis (z, -y) or a direction X,Y,Z [default: what the sections call up, else z]
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true,
+          value_parser = picture::parse_direction)]
+    pub up: Option<DVec3>,
+    /// Width and height of a picture in pixels, as W,H or WxH [default: 1600,1200]
+    #[arg(long, value_name = "W,H", value_parser = picture_size)]
+    pub size: Option<[u32; 2]>,
+    /// Draw these materials alone, by number or name, with their contours
+    #[arg(long, value_name = "LABEL,...", value_delimiter = ',')]
+    pub labels: Vec<String>,
+}
+
+impl PictureArguments {
+    /// Whether any is given.
+    pub fn is_used(&self) -> bool {
+        let Self { view, up, size, labels } = self;
+        view.is_some() || up.is_some() || size.is_some() || !labels.is_empty()
     }
 }
 
@@ -422,6 +451,22 @@ fn two_lengths(text: &str) -> Result<[f64; 2], String> {
     let lengths: Vec<f64> =
         text.split(',').map(|length| positive(length.trim())).collect::<Result<_, _>>()?;
     lengths.try_into().map_err(|_| "two lengths W,H are needed".to_owned())
+}
+
+fn picture_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split([',', 'x']).map(|side| side.trim().parse::<u32>().ok());
+    let size: Option<[u32; 2]> =
+        sides.collect::<Option<Vec<_>>>().and_then(|sides| sides.try_into().ok());
+    let [width, height] = size.ok_or("a width and a height in pixels, W,H, are needed")?;
+    let (least, most) = (picture::SIDES.start(), picture::SIDES.end());
+    if ![width, height].iter().all(|side| picture::SIDES.contains(side)) {
+        return Err(format!("both sides must be from {least} to {most} pixels"));
+    }
+    if u64::from(width) * u64::from(height) > picture::MOST_PIXELS {
+        let most = picture::MOST_PIXELS / 1_000_000;
+        return Err(format!("a picture may have up to {most} million pixels"));
+    }
+    Ok([width, height])
 }
 
 fn angle(text: &str) -> Result<f64, String> {

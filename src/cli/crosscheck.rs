@@ -104,7 +104,7 @@ fn write_volumes(outputs: &mut Outputs, path: &Path, findings: &Findings) -> Res
 }
 
 fn write_picture(outputs: &mut Outputs, path: &Path, findings: &Findings) -> Result<()> {
-    let sections = &findings.model.sections().sections;
+    let sections = findings.model.sections();
     let options = PictureOptions::default();
     let (mesh, distances) = (findings.field()?, &findings.distances);
     let image = picture::render_values(mesh, distances, "voxels", sections, &options);

@@ -22,7 +22,7 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::ffi::threads;
 use crate::output;
-use crate::section::Sections;
+use crate::section::{Sections, Warning};
 use args::{Arguments, Command};
 
 /// How many warnings are printed one by one.
@@ -103,9 +103,22 @@ fn write_json<T: Serialize>(path: &Path, report: &T, out: &mut dyn Write) -> Res
         .map_err(|error| output::write_error(path, &error))
 }
 
+/// What was doubtful about sections, and left out of them.
 fn print_warnings(sections: &Sections) {
     let all = sections.warnings.iter().map(|warning| ("warning", warning));
     let all = all.chain(sections.left_out.iter().map(|left_out| ("left out", left_out)));
+    print_first(all, "`transect inspect` lists them all");
+}
+
+/// What a result must be read with.
+fn print_found(warnings: &[Warning]) {
+    print_first(warnings.iter().map(|warning| ("warning", warning)), "--report lists them all");
+}
+
+fn print_first<'a>(
+    all: impl Iterator<Item = (&'static str, &'a Warning)> + Clone,
+    where_all_are: &str,
+) {
     for (word, warning) in all.clone().take(WARNINGS) {
         match warning.section.as_str() {
             "" => eprintln!("{word}: {}", warning.what),
@@ -114,6 +127,6 @@ fn print_warnings(sections: &Sections) {
     }
     let rest = all.count().saturating_sub(WARNINGS);
     if rest > 0 {
-        eprintln!("warning: and {rest} more; `transect inspect` lists them all");
+        eprintln!("warning: and {rest} more; {where_all_are}");
     }
 }

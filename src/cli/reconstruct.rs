@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
-use super::args::ReconstructArguments;
+use super::args::{PictureArguments, ReconstructArguments};
 use super::bars::Watcher;
 use super::method::method;
 use super::targets::{Kind, Target};
-use super::{print_warnings, table, write_json};
+use super::{print_found, print_warnings, table, write_json};
 use crate::change::Change;
 use crate::check::{self, check};
 use crate::error::{Error, Result};
@@ -15,7 +15,7 @@ use crate::io::exact::write_exact;
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::{self};
-use crate::label::Material;
+use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::method::Mesher;
@@ -27,6 +27,9 @@ use crate::section::Sections;
 use crate::skeleton::Details;
 use crate::stage::Stages;
 
+/// How many materials an error lists.
+const LISTED: usize = 20;
+
 /// Reconstructs and writes.
 pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let targets =
@@ -35,6 +38,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
     let resolution = arguments.grid.resolution();
     let options = Options { method: method(arguments)?, resolution };
+    require_picture(&arguments.picture, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
     super::limit_threads(arguments.threads)?;
 
@@ -54,6 +58,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         let files = target.files(&sections.materials)?;
         files.iter().try_for_each(|(path, _)| outputs.add(path))?;
     }
+    let picture = picture_options(&arguments.picture, &sections)?;
     let mut model = Model::new(options);
     model.apply(Change::Add(sections), &rules, &mut stages, watcher.progress())?;
     let derived = model
@@ -65,8 +70,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         // Cheap for the delaunay mesher's fewer triangles, and promised.
         let self_intersections = !matches!(model.options().method.mesher(), Some(Mesher::Dual));
         let options = check::Options { open, self_intersections };
-        let (mesh, lattice) = (&derived.mesh, &derived.samples.lattice);
-        check(&model.sections().sections, mesh, lattice, options, watcher.progress())
+        let Derived { mesh, samples, .. } = derived;
+        check(&model.sections().sections, mesh, samples, options, watcher.progress())
     })?;
 
     if !checked.is_sound() {
@@ -79,6 +84,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         derived,
         surfaces: opened.as_ref().unwrap_or(&derived.mesh),
         grids: &grids,
+        picture,
     };
     for target in &targets {
         let stage = target.kind.stage();
@@ -102,6 +108,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     watcher.finish();
     outputs.commit()?;
     if !arguments.quiet {
+        print_found(&report.check.warnings(&report.materials));
         table::print(&report);
     }
     Ok(())
@@ -115,6 +122,45 @@ fn require_exact(details: &Details) -> Result<()> {
             "{cells} cells hold more partial sections than can be done exactly: leave --exact out"
         ))),
     }
+}
+
+/// Options of pictures without any are a mistake.
+fn require_picture(arguments: &PictureArguments, targets: &[Target]) -> Result<()> {
+    let is_drawn = targets.iter().any(|target| target.kind == Kind::Picture);
+    if arguments.is_used() && !is_drawn {
+        let what = "--view, --up, --size and --labels are for pictures: add -o FILE.png";
+        return Err(Error::Option(what.to_owned()));
+    }
+    Ok(())
+}
+
+fn picture_options(arguments: &PictureArguments, sections: &Sections) -> Result<PictureOptions> {
+    let default = PictureOptions::default();
+    let labels = arguments.labels.iter().map(|word| drawn(word, &sections.materials));
+    let labels = labels.collect::<Result<Vec<_>>>()?;
+    Ok(PictureOptions {
+        size: arguments.size.unwrap_or(default.size),
+        view: arguments.view.clone(),
+        up: arguments.up,
+        labels: (!labels.is_empty()).then_some(labels),
+        ..default
+    })
+}
+
+/// The material of a number or a name.
+fn drawn(word: &str, materials: &[Material]) -> Result<Label> {
+    let word = word.trim();
+    let by_number = || materials.iter().find(|material| Ok(material.id) == word.parse());
+    let by_name = || materials.iter().find(|material| material.name == word);
+    by_number().or_else(by_name).map(|material| Label(material.id)).ok_or_else(|| {
+        let known = materials.iter().take(LISTED);
+        let known: Vec<String> =
+            known.map(|material| format!("{} ({})", material.id, material.name)).collect();
+        let more = materials.len().saturating_sub(LISTED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let known = known.join(", ");
+        Error::Option(format!("--labels: there is no material {word:?}, but {known}{more}"))
+    })
 }
 
 /// All files whose names are known before anything is read.
@@ -132,6 +178,7 @@ struct Results<'a> {
     /// The network as it goes to files: without caps where the box is open.
     surfaces: &'a Mesh,
     grids: &'a [GridName],
+    picture: PictureOptions,
 }
 
 fn write(outputs: &mut Outputs, target: &Target, results: &Results) -> Result<()> {
@@ -175,8 +222,7 @@ fn write_volumes(outputs: &mut Outputs, path: &Path, results: &Results) -> Resul
 }
 
 fn write_picture(outputs: &mut Outputs, path: &Path, results: &Results) -> Result<()> {
-    let Sections { sections, materials, .. } = results.sections;
-    let image = picture::render(results.surfaces, sections, materials, &PictureOptions::default());
+    let image = picture::render(results.surfaces, results.sections, &results.picture);
     outputs.write(path, |out| {
         picture::write_png(&image, out).map_err(|error| write_error(path, &error))
     })

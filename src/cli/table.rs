@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use crate::check::LabelCheck;
 use crate::compare::Comparison;
 use crate::report::Report;
 use crate::section::Disagreement;
@@ -10,8 +9,10 @@ use crate::skeleton::Details;
 use crate::stage::Stage;
 
 mod crosscheck;
+mod labels;
 
 pub use crosscheck::print_crosscheck;
+use labels::write_labels;
 
 /// How many labels are shown.
 const LABELS: usize = 24;
@@ -31,18 +32,7 @@ fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
     let by = format!("{by}{}", report.device);
     write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &by)?;
     writeln!(out)?;
-    writeln!(
-        out,
-        "{:<24}{:>14}{:>14}{:>12}{:>8}  closed",
-        "label", "volume", "area", "components", "genus"
-    )?;
-    for label in report.check.labels.iter().take(LABELS) {
-        write_label(out, report, label)?;
-    }
-    let rest = report.check.labels.len().saturating_sub(LABELS);
-    if rest > 0 {
-        writeln!(out, "… and {rest} more labels")?;
-    }
+    write_labels(out, report)?;
     write_agreement(out, report)?;
     write_stages(out, &report.stages, report.seconds, report.peak_memory)
 }
@@ -59,26 +49,6 @@ fn write_grid(
         out,
         "{sections} sections, grid {x} × {y} × {z}, voxel {voxel:.6}{}{units}, {by}",
         if units.is_empty() { "" } else { " " },
-    )
-}
-
-fn write_label(out: &mut String, report: &Report, label: &LabelCheck) -> std::fmt::Result {
-    let material = report.materials.iter().find(|material| material.id == label.label);
-    let name = material.map_or_else(|| label.label.to_string(), |found| found.name.clone());
-    let name: String = name.chars().take(23).collect();
-    let facts = &label.facts;
-    writeln!(
-        out,
-        "{name:<24}{:>14}{:>14}{:>12}{:>8}  {}",
-        number(facts.volume),
-        number(facts.area),
-        facts.components,
-        facts.genus,
-        match label.open_edges {
-            0 if facts.closed && facts.outward => "yes",
-            1.. if label.open_at_box && facts.outward => "but for the box",
-            _ => "NO",
-        }
     )
 }
 

@@ -2,6 +2,7 @@
 //! counts as the union of them all.
 
 mod columns;
+pub mod normals;
 mod sampling;
 
 pub(crate) use sampling::draw;

@@ -4,9 +4,14 @@ use glam::DVec3;
 
 use crate::mesh::Surface;
 
-/// `count` points, one from each of as many parts of equal area: the surface's
-/// triangles in a row, cut at equal distances.
+/// The points alone of [`draw_on`].
 pub fn draw(surface: &Surface, count: u32, seed: u64) -> Vec<DVec3> {
+    draw_on(surface, count, seed).into_iter().map(|(_, point)| point).collect()
+}
+
+/// `count` points with the triangles that they are on, one from each of as many
+/// parts of equal area: the surface's triangles in a row, cut at equal distances.
+pub fn draw_on(surface: &Surface, count: u32, seed: u64) -> Vec<(usize, DVec3)> {
     let areas: Vec<f64> = (0..surface.triangles.len())
         .map(|triangle| surface.corners(triangle))
         .map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
@@ -21,7 +26,7 @@ pub fn draw(surface: &Surface, count: u32, seed: u64) -> Vec<DVec3> {
                 passed += areas[triangle];
                 triangle += 1;
             }
-            random.point_in(surface.corners(triangle))
+            (triangle, random.point_in(surface.corners(triangle)))
         })
         .collect()
 }

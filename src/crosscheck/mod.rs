@@ -19,7 +19,6 @@ mod pairing;
 mod parts;
 mod report;
 mod rows;
-mod runs;
 mod solids;
 #[cfg(test)]
 mod tests;

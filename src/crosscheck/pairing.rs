@@ -16,9 +16,9 @@ use serde::Serialize;
 
 use super::agreement::Pair;
 use super::rows::Rows;
-use super::runs::{Neighbors, Run, Runs};
 use crate::arrangement::{Arrangement, components};
 use crate::grid::labels::LabelGrid;
+use crate::grid::runs::{Neighbors, Run, Runs};
 use crate::grid::samples::Lattice;
 use crate::label::Label;
 use crate::progress::Progress;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::agreement::Pair;
-use super::runs::{Neighbors, Run, Runs};
+use crate::grid::runs::{Neighbors, Run, Runs};
 use crate::label::Label;
 
 /// How many parts are listed.

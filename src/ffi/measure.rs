@@ -61,6 +61,9 @@ mod bridge {
         /// For each point, by threes, the distance to the nearest triangle.
         fn distances(tree: &Tree, points: &[f64]) -> Result<Vec<f64>>;
 
+        /// For each point, by threes, the number of the nearest triangle.
+        fn nearest_triangles(tree: &Tree, points: &[f64]) -> Result<Vec<u32>>;
+
         /// The polygons of an OFF, OBJ, STL or PLY file.
         fn read_soup(path: &str) -> Result<Soup>;
     }

@@ -14,6 +14,7 @@ pub mod lattice;
 pub mod leaf_grid;
 mod locate;
 pub mod memory;
+pub(crate) mod runs;
 pub mod samples;
 pub mod sampling;
 mod winding;

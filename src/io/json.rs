@@ -9,6 +9,7 @@ use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Raw, check, diagonal, unwritten};
+use crate::direction;
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
 use crate::plane::Plane;
@@ -35,9 +36,18 @@ struct File {
     units: String,
     #[serde(default)]
     frame: String,
+    up: Option<Up>,
     #[serde(default)]
     labels: Vec<Named>,
     sections: Vec<Planar>,
+}
+
+/// Which way is up: an axis as `z` or `-y`, or a vector.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(untagged, expecting = "\"up\" is an axis (\"z\", \"-y\") or a vector ([0, 0, 1])")]
+enum Up {
+    Axis(String),
+    Vector([f64; 3]),
 }
 
 /// A material.
@@ -160,6 +170,7 @@ pub fn read(text: &str, file: &Path, rules: &Rules) -> Result<Sections> {
     let mut sections = check(file, &raw, rules, |raw| make(raw, diagonal, rules))?;
     sections.units = content.units;
     sections.frame = content.frame;
+    sections.up = content.up.map(|up| upward(file, &up)).transpose()?;
     sections.name_materials(materials);
     Ok(sections)
 }
@@ -218,6 +229,17 @@ fn materials(file: &Path, labels: &[Named]) -> Result<Vec<Material>> {
         found.push(material);
     }
     Ok(found)
+}
+
+fn upward(file: &Path, up: &Up) -> Result<DVec3> {
+    let (direction, written) = match up {
+        Up::Axis(name) => (direction::axis(name), format!("{name:?}")),
+        Up::Vector(vector) => (Some(DVec3::from_array(*vector)), format!("{vector:?}")),
+    };
+    direction.filter(|&up| direction::unit(up).is_some()).ok_or_else(|| {
+        let what = format!("{written} is no direction: write \"x\", \"-z\" or [0, 1, 0]");
+        Error::input(file, "\"up\"", what)
+    })
 }
 
 /// The channels of `#rrggbb`.
@@ -337,6 +359,13 @@ fn write_all(sections: &Sections, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "{{\n\"transect\": \"{KIND}\",\n\"version\": {VERSION},")?;
     writeln!(out, "\"units\": {},", serde_json::to_string(&sections.units)?)?;
     writeln!(out, "\"frame\": {},", serde_json::to_string(&sections.frame)?)?;
+    if let Some(up) = sections.up {
+        let up = match direction::axis_name(up) {
+            Some(name) => Up::Axis(name.to_owned()),
+            None => Up::Vector(up.to_array()),
+        };
+        writeln!(out, "\"up\": {},", serde_json::to_string(&up)?)?;
+    }
     let labels: Vec<Named> = sections.materials.iter().map(named).collect();
     rows(out, "labels", &labels)?;
     writeln!(out, ",")?;

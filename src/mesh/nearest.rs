@@ -45,10 +45,25 @@ impl Nearest {
 
     /// For each point the distance to the nearest triangle, in world units.
     pub fn distances(&self, points: &[DVec3]) -> Result<Vec<f64>> {
+        self.asked(points, measure::distances)
+    }
+
+    /// For each point the number of the nearest triangle (of several, one of
+    /// them), among those that the tree was made of, in their order.
+    pub fn triangles(&self, points: &[DVec3]) -> Result<Vec<u32>> {
+        self.asked(points, measure::nearest_triangles)
+    }
+
+    /// The answers for all points, asked in batches.
+    fn asked<T: Copy + Send>(
+        &self,
+        points: &[DVec3],
+        ask: fn(&measure::Tree, &[f64]) -> std::result::Result<Vec<T>, cxx::Exception>,
+    ) -> Result<Vec<T>> {
         const BATCH: usize = 1024;
-        let batches: Vec<Vec<f64>> = points
+        let batches: Vec<Vec<T>> = points
             .par_chunks(BATCH)
-            .map(|batch| measure::distances(&self.tree, &flat(batch)))
+            .map(|batch| ask(&self.tree, &flat(batch)))
             .collect::<std::result::Result<_, _>>()
             .map_err(|exception| Error::library("distance", &exception))?;
         Ok(batches.concat())
@@ -74,6 +89,17 @@ mod tests {
             assert!((distance - (point.length() - 0.7).abs()).abs() < 3e-3, "{point} {distance}");
         }
         assert!(Nearest::on_border(&ball, Label(2)).unwrap().is_none());
+    }
+
+    #[test]
+    fn the_nearest_triangle_keeps_its_number() {
+        // The floor's two halves, with a triangle without area before them.
+        let vertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let vertices = vertices.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+        let surface = Surface { vertices, triangles: vec![[0, 1, 1], [0, 1, 2], [0, 2, 3]] };
+        let nearest = Nearest::on_surface(&surface).unwrap();
+        let points = [[0.9, 0.2, 1.0], [0.1, 0.7, -3.0], [5.0, 0.5, 0.0]].map(DVec3::from);
+        assert_eq!(nearest.triangles(&points).unwrap(), [1, 2, 1]);
     }
 
     #[test]

@@ -11,10 +11,11 @@ use super::occlusion::Occlusion;
 use super::raster::{NOTHING, ScreenPoint, Target, edge_functions, rows};
 use super::scene::{Layer, Scene, Stroke};
 use super::shade;
+use super::text::scale;
 
 /// Rows of pixels in a band.
 const BAND: u32 = 24;
-/// The width of a contour, over the picture's height.
+/// The width of a contour, over the picture's [`scale`].
 const STROKE: f32 = 1.0 / 700.0;
 /// How much nearer than it is a contour is drawn, over the scene's diagonal:
 /// a surface that misses its contour by a voxel still shows it.
@@ -221,7 +222,7 @@ impl Quad<'_> {
         let lift = self.diagonal * STROKE_LIFT;
         let [a, b] = ends.map(|end| self.camera.place(end));
         let [p, q] = [a, b].map(|place| self.camera.pixel(place));
-        let half = (self.size[1] as f32 * STROKE / 2.0).max(0.4);
+        let half = (scale(self.size) * STROKE / 2.0).max(0.4);
         let along = (q - p).normalize_or(Vec2::X) * half;
         let across = along.perp();
         let corner = |at: Vec2, place: Vec3| {

@@ -27,18 +27,18 @@ pub struct Camera {
     pub focal: f32,
 }
 
-/// Half the frame's height over its distance: a view angle of 28°, about that
-/// of a portrait lens.
-const HALF_SLOPE: f32 = 0.25;
+/// The most that half the frame's width and height may be over its distance: a
+/// view angle of 28° from bottom to top, about that of a portrait lens, and no
+/// wider one than 41° in a panorama.
+const HALF_SLOPES: Vec2 = Vec2::new(0.375, 0.25);
 
 impl Camera {
-    /// The camera that looks against `direction` (towards the viewer), with z
-    /// up, so close that `points` just fit into the frame.
-    pub fn fit(direction: Vec3, points: &[Vec3], frame: Frame) -> Self {
-        let rotation = facing(direction);
+    /// The camera of a rotation to its space, so close that `points` just fit
+    /// into the frame.
+    pub fn fit(rotation: Mat3, points: &[Vec3], frame: Frame) -> Self {
         let size = (frame.max - frame.min).max(Vec2::ONE);
-        let focal = size.y / (2.0 * HALF_SLOPE);
-        let slope = Vec2::new(size.x / (2.0 * focal), HALF_SLOPE);
+        let focal = (size / (2.0 * HALF_SLOPES)).max_element();
+        let slope = size / (2.0 * focal);
 
         // A point (x, y, z) is inside on the right when x − e.x ≤ s (e.z − z),
         // so e.x + s e.z ≥ max(x + s z); likewise on the other sides.
@@ -88,26 +88,25 @@ impl Camera {
     }
 }
 
-/// The rotation that takes `direction` to +z, and z up as far as it goes.
-fn facing(direction: Vec3) -> Mat3 {
-    let back = direction.normalize_or(Vec3::Y);
-    let right = Vec3::Z.cross(back).normalize_or(Vec3::X);
-    let up = back.cross(right);
-    Mat3::from_cols(right, up, back).transpose()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::sides::Sides;
+    use crate::section::Sections;
 
     const FRAME: Frame = Frame { min: Vec2::new(100.0, 50.0), max: Vec2::new(500.0, 350.0) };
+
+    /// Seen from a direction with z up.
+    fn facing(direction: Vec3) -> Mat3 {
+        Sides::of(&Sections::default()).rotation(direction)
+    }
 
     #[test]
     fn a_fitted_camera_shows_every_point_and_touches_the_frame() {
         let corners: Vec<Vec3> = (0..8)
             .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32 * 3.0))
             .collect();
-        let camera = Camera::fit(Vec3::new(1.0, -2.0, 0.7), &corners, FRAME);
+        let camera = Camera::fit(facing(Vec3::new(1.0, -2.0, 0.7)), &corners, FRAME);
         let pixels: Vec<Vec2> =
             corners.iter().map(|&corner| camera.pixel(camera.place(corner))).collect();
         let low = pixels.iter().fold(Vec2::INFINITY, |low, &pixel| low.min(pixel));
@@ -118,8 +117,21 @@ mod tests {
     }
 
     #[test]
+    fn panoramas_and_columns_show_every_point_without_a_wide_angle() {
+        let corners = [Vec3::ZERO, Vec3::X * 9.0, Vec3::Y, Vec3::Z, Vec3::new(9.0, 1.0, 1.0)];
+        for size in [Vec2::new(3000.0, 200.0), Vec2::new(200.0, 3000.0)] {
+            let frame = Frame { min: Vec2::ZERO, max: size };
+            let camera = Camera::fit(facing(Vec3::NEG_Y), &corners, frame);
+            for pixel in corners.map(|corner| camera.pixel(camera.place(corner))) {
+                assert!(pixel.cmpge(-Vec2::ONE).all() && pixel.cmple(size + 1.0).all(), "{pixel}");
+            }
+            assert!((size / (2.0 * camera.focal)).cmple(HALF_SLOPES + 1e-6).all(), "{size}");
+        }
+    }
+
+    #[test]
     fn up_is_up_and_right_is_right() {
-        let camera = Camera::fit(Vec3::NEG_Y, &[Vec3::ZERO, Vec3::ONE], FRAME);
+        let camera = Camera::fit(facing(Vec3::NEG_Y), &[Vec3::ZERO, Vec3::ONE], FRAME);
         let at = |point| camera.pixel(camera.place(point));
         assert!(at(Vec3::Z).y < at(Vec3::ZERO).y, "z points up, so to smaller rows");
         assert!(at(Vec3::X).x > at(Vec3::ZERO).x, "seen from −y, x points right");
@@ -127,7 +139,7 @@ mod tests {
 
     #[test]
     fn unproject_inverts_pixel() {
-        let camera = Camera::fit(Vec3::new(1.0, 1.0, 1.0), &[Vec3::ZERO, Vec3::ONE], FRAME);
+        let camera = Camera::fit(facing(Vec3::ONE), &[Vec3::ZERO, Vec3::ONE], FRAME);
         let place = camera.place(Vec3::new(0.3, 0.6, 0.1));
         let back = camera.unproject(camera.pixel(place), -place.z);
         assert!(back.distance(place) < 1e-4);

@@ -22,8 +22,9 @@ pub struct Legend<'a> {
 impl<'a> Legend<'a> {
     /// The legend of a scene: none for a single material, and at most a third
     /// of the picture.
-    pub fn new(scene: &'a Scene, [width, height]: [u32; 2]) -> Self {
-        let font = Font::for_height(height);
+    pub fn new(scene: &'a Scene, size: [u32; 2]) -> Self {
+        let [width, _] = size;
+        let font = Font::for_size(size);
         let paints: &[Paint] = if scene.materials.len() > 1 { &scene.materials } else { &[] };
         let longest = paints.iter().map(|paint| font.width(&paint.name)).max();
         let column = longest.map_or(0, |text| (text + 3 * font.line()).min(width / 3));
@@ -75,7 +76,7 @@ impl<'a> Legend<'a> {
 
 /// The directions of the axes, at the lower left.
 pub fn draw_triad(image: &mut RgbaImage, camera: &Camera) {
-    let font = Font::for_height(image.height());
+    let font = Font::for_size(image.dimensions().into());
     let length = font.line() as f32 * 1.8;
     let corner = Vec2::new(length * 1.6, image.height() as f32 - length * 1.6);
     let mut axes: Vec<(Vec3, usize)> =

@@ -34,15 +34,15 @@ pub struct Scale {
 
 impl Scale {
     /// A scale that covers nearly all values of a picture.
-    pub fn new(values: &[f32], unit: &str, [width, height]: [u32; 2]) -> Self {
+    pub fn new(values: &[f32], unit: &str, size: [u32; 2]) -> Self {
         let mut sorted: Vec<f32> =
             values.iter().copied().filter(|value| value.is_finite()).collect();
         sorted.sort_by(f32::total_cmp);
         let largest = sorted.last().copied().unwrap_or(0.0);
         let covered = sorted.get((COVERED * sorted.len() as f64) as usize).copied();
         let top = round_up(covered.unwrap_or(largest));
-        let font = Font::for_height(height);
-        let column = (font.width("in voxels") + font.line() * 2).min(width / 3);
+        let font = Font::for_size(size);
+        let column = (font.width("in voxels") + font.line() * 2).min(size[0] / 3);
         let colors = (0..STEPS).map(|step| ramp(step as f32 / (STEPS - 1) as f32)).collect();
         let unit = unit.to_owned();
         Self { colors, top, is_cut: largest > top, unit, font, width: column }

@@ -11,6 +11,7 @@ use crate::plane::Bounds;
 use crate::section::Section;
 
 use super::normals::corner_normals;
+use super::selection::Selection;
 
 /// A triangle to be drawn.
 #[derive(Debug, Clone, Copy)]
@@ -68,11 +69,19 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Sorts a network and the sections' contours into layers.
-    pub fn new(mesh: &Mesh, sections: &[Section], materials: &[Material]) -> Self {
-        let contour_points = sections
-            .iter()
-            .flat_map(|section| (0..section.vertices().len()).map(|v| section.point(v as u32)));
+    /// Sorts what is selected of a network and of the sections' contours into
+    /// layers.
+    pub fn new(
+        mesh: &Mesh,
+        sections: &[Section],
+        materials: &[Material],
+        selection: Selection,
+    ) -> Self {
+        let mesh = &*selection.mesh(mesh);
+        let contour_points = sections.iter().flat_map(|section| {
+            let ends = selection.contours(section).flat_map(|edge| [edge.start, edge.end]);
+            ends.map(|vertex| section.point(vertex))
+        });
         let bounds = Bounds::around(mesh.vertices.iter().copied().chain(contour_points))
             .unwrap_or(Bounds { min: DVec3::ZERO, max: DVec3::ONE });
         let center = (bounds.min + bounds.max) / 2.0;
@@ -80,7 +89,7 @@ impl Scene {
         let shared = shared_areas(mesh);
         let roles = Roles {
             glass: glass_labels(&shared),
-            labels: occurring_labels(shared.keys().copied(), sections),
+            labels: occurring_labels(shared.keys().copied(), sections, selection),
         };
         let mut scene = Self {
             points: mesh.vertices.iter().map(|&point| (point - center).as_vec3()).collect(),
@@ -90,7 +99,7 @@ impl Scene {
             diagonal: (bounds.diagonal() as f32).max(f32::MIN_POSITIVE),
         };
         scene.add_facets(mesh, &roles);
-        scene.add_strokes(sections, center, &roles);
+        scene.add_strokes(sections, selection, center, &roles);
         let Self { points, solid, glass, .. } = &mut scene;
         for layer in std::iter::once(solid).chain(glass) {
             layer.normals = corner_normals(points, &layer.facets);
@@ -130,9 +139,15 @@ impl Scene {
         }
     }
 
-    fn add_strokes(&mut self, sections: &[Section], center: DVec3, roles: &Roles) {
+    fn add_strokes(
+        &mut self,
+        sections: &[Section],
+        selection: Selection,
+        center: DVec3,
+        roles: &Roles,
+    ) {
         for section in sections {
-            for edge in section.edges() {
+            for edge in selection.contours(section) {
                 let ends = [edge.start, edge.end].map(|v| (section.point(v) - center).as_vec3());
                 let (left, right) = (roles.role(edge.left), roles.role(edge.right));
                 let shown = if left >= right { edge.left } else { edge.right };
@@ -189,10 +204,14 @@ impl Roles {
     }
 }
 
-fn occurring_labels(on_mesh: impl Iterator<Item = Label>, sections: &[Section]) -> Vec<Label> {
+fn occurring_labels(
+    on_mesh: impl Iterator<Item = Label>,
+    sections: &[Section],
+    selection: Selection,
+) -> Vec<Label> {
     let mut labels: Vec<Label> = on_mesh
         .chain(sections.iter().flat_map(Section::labels))
-        .filter(|label| label.is_material())
+        .filter(|&label| selection.shows(label))
         .collect();
     labels.sort_unstable();
     labels.dedup();
@@ -284,7 +303,7 @@ mod tests {
     fn a_body_around_an_organ_is_glass_and_the_organ_solid() {
         let mut mesh = sphere(DVec3::ZERO, 2.0, [Label(1), Label(0)]);
         mesh.append(sphere(DVec3::ZERO, 1.0, [Label(1), Label(2)]).flipped());
-        let scene = Scene::new(&mesh.mesh, &[], &[]);
+        let scene = Scene::new(&mesh.mesh, &[], &[], Selection::default());
         assert_eq!(scene.glass.len(), 1);
         assert_eq!(scene.glass[0].facets[0].material, 0);
         assert!(scene.solid.facets.iter().all(|facet| facet.material == 1));
@@ -304,7 +323,7 @@ mod tests {
         let mut mesh = sphere(DVec3::ZERO, 3.0, [Label(1), Label(0)]);
         mesh.append(sphere(DVec3::ZERO, 2.0, [Label(1), Label(2)]).flipped());
         mesh.append(sphere(DVec3::ZERO, 1.0, [Label(2), Label(3)]).flipped());
-        let scene = Scene::new(&mesh.mesh, &[], &[]);
+        let scene = Scene::new(&mesh.mesh, &[], &[], Selection::default());
         assert_eq!(scene.glass.len(), 2);
         let shown = |layer: &Layer| layer.facets.iter().map(|facet| facet.material).max();
         assert_eq!(shown(&scene.glass[0]), Some(0));
@@ -316,7 +335,7 @@ mod tests {
     fn organs_side_by_side_are_solid() {
         let mut mesh = sphere(DVec3::ZERO, 1.0, [Label(1), Label(0)]);
         mesh.append(sphere(DVec3::X * 3.0, 1.0, [Label(4), Label(0)]));
-        let scene = Scene::new(&mesh.mesh, &[], &[]);
+        let scene = Scene::new(&mesh.mesh, &[], &[], Selection::default());
         assert!(scene.glass.is_empty());
         assert_eq!(scene.materials.len(), 2);
     }

@@ -5,14 +5,20 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 
 const WEIGHT: FontWeight = FontWeight::Regular;
 
+/// How large a picture is to what is written and drawn on it, in pixels: the
+/// height, but of a narrow picture less.
+pub fn scale([width, height]: [u32; 2]) -> f32 {
+    (width as f32 * 0.75).min(height as f32)
+}
+
 /// A size of text.
 #[derive(Debug, Clone, Copy)]
 pub struct Font(RasterHeight);
 
 impl Font {
-    /// The size that fits a picture of this height.
-    pub fn for_height(height: u32) -> Self {
-        Self(match height {
+    /// The size that fits a picture of this width and height.
+    pub fn for_size(size: [u32; 2]) -> Self {
+        Self(match scale(size) as u32 {
             0..700 => RasterHeight::Size16,
             700..1600 => RasterHeight::Size24,
             _ => RasterHeight::Size32,

@@ -3,20 +3,18 @@
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
 use super::camera::{Camera, Frame};
 use super::raster::{NOTHING, Target};
 use super::scene::{Facet, Scene};
+use super::sides::Sides;
 
-/// A chosen camera.
-pub type View = Camera;
-
-/// Directions around the z axis, and their heights above the xy plane.
+/// Directions around the body's axis, and their heights above its middle.
 const TURNS: usize = 12;
 const HEIGHTS: [f32; 2] = [0.2, 0.55];
-/// What the direction −y is worth.
+/// What the front is worth.
 const FRONT: f32 = 0.05;
 /// The longer side of a trial picture, in pixels.
 const TRIAL_SIDE: f32 = 120.0;
@@ -24,15 +22,21 @@ const TRIAL_SIDE: f32 = 120.0;
 /// The camera among two dozen candidates whose picture shows most: projected
 /// area, relief, and each material's share of what could be seen of it.
 /// The first of equals wins.
-pub fn choose(scene: &Scene, frame: Frame) -> View {
+pub fn choose(scene: &Scene, sides: &Sides, frame: Frame) -> Camera {
+    let coarse = Coarse::new(scene);
+    let directions = candidates(sides);
+    let trials: Vec<Trial> = directions
+        .par_iter()
+        .map(|&direction| Trial::new(&coarse, sides.rotation(direction), frame))
+        .collect();
+    look(scene, sides, directions[Trial::best_of(&trials)], frame)
+}
+
+/// The camera that sees all of the scene from a direction.
+pub fn look(scene: &Scene, sides: &Sides, direction: Vec3, frame: Frame) -> Camera {
     let ends = scene.layers().flat_map(|layer| &layer.strokes).flat_map(|stroke| stroke.ends);
     let points: Vec<Vec3> = scene.points.iter().copied().chain(ends).collect();
-    let coarse = Coarse::new(scene);
-    let directions = candidates();
-    let trials: Vec<Trial> =
-        directions.par_iter().map(|&direction| Trial::new(&coarse, direction, frame)).collect();
-    let best = Trial::best_of(&trials);
-    Camera::fit(directions[best], &points, frame)
+    Camera::fit(sides.rotation(direction), &points, frame)
 }
 
 /// The solid layer with vertices merged that lie close together: as much as a
@@ -73,13 +77,15 @@ impl Coarse {
     }
 }
 
-/// Candidates, beginning a little to the side of −y.
-fn candidates() -> Vec<Vec3> {
+/// Candidates, beginning a little to the side of the front.
+fn candidates(sides: &Sides) -> Vec<Vec3> {
+    let [up, front, right] = sides.seen();
     let turn = |i: usize| TAU * (i as f32 + 0.5) / TURNS as f32;
     HEIGHTS
         .iter()
         .flat_map(|&height| (0..TURNS).map(move |i| (height, turn(i))))
-        .map(|(height, angle)| Vec3::new(angle.sin(), -angle.cos(), height).normalize())
+        .map(|(height, angle)| right * angle.sin() + front * angle.cos() + up * height)
+        .map(Vec3::normalize)
         .collect()
 }
 
@@ -96,11 +102,11 @@ struct Trial {
 }
 
 impl Trial {
-    fn new(scene: &Coarse, direction: Vec3, frame: Frame) -> Self {
+    fn new(scene: &Coarse, rotation: Mat3, frame: Frame) -> Self {
         let scale = TRIAL_SIDE / (frame.max - frame.min).max_element().max(1.0);
         let size = (frame.max - frame.min) * scale;
         let small = Frame { min: glam::Vec2::ZERO, max: size };
-        let camera = Camera::fit(direction, &scene.points, small);
+        let camera = Camera::fit(rotation, &scene.points, small);
         let [width, height] = [size.x.ceil() as u32, size.y.ceil() as u32];
         let mut target = Target::new(width, 0..height);
         let screen: Vec<_> =
@@ -144,7 +150,7 @@ impl Trial {
         };
         let mut best = (f32::NEG_INFINITY, 0);
         for (number, trial) in trials.iter().enumerate() {
-            // All else about equal, from the front: medical frames have it at −y.
+            // All else about equal, from the front.
             let score = score(trial) + FRONT * (TAU * (number as f32 + 0.5) / TURNS as f32).cos();
             if score > best.0 {
                 best = (score, number);
@@ -159,6 +165,8 @@ pub(in crate::picture) mod tests {
     use super::*;
     use crate::label::Label;
     use crate::mesh::Mesh;
+    use crate::picture::selection::Selection;
+    use crate::section::Sections;
     use glam::{DVec3, Vec2};
 
     /// A mesh under construction.
@@ -251,10 +259,25 @@ pub(in crate::picture) mod tests {
         // A disc in the xz plane: seen from ±y, not edge-on from ±x.
         let mut builder = sphere(DVec3::ZERO, 1.0, [Label(1), Label(0)]);
         builder.mesh.vertices.iter_mut().for_each(|point| point.y *= 0.1);
-        let scene = Scene::new(&builder.mesh, &[], &[]);
+        let scene = Scene::new(&builder.mesh, &[], &[], Selection::default());
         let frame = Frame { min: Vec2::ZERO, max: Vec2::new(400.0, 300.0) };
-        let toward_viewer = choose(&scene, frame).rotation.transpose() * Vec3::Z;
+        let toward_viewer =
+            choose(&scene, &Sides::of(&Sections::default()), frame).rotation.transpose() * Vec3::Z;
         assert!(toward_viewer.y.abs() > 2.0 * toward_viewer.x.abs(), "{toward_viewer}");
+    }
+
+    #[test]
+    fn the_direction_is_chosen_around_what_is_up() {
+        // A disc in the xy plane: with y up it is seen from ±z.
+        let mut builder = sphere(DVec3::ZERO, 1.0, [Label(1), Label(0)]);
+        builder.mesh.vertices.iter_mut().for_each(|point| point.z *= 0.1);
+        let scene = Scene::new(&builder.mesh, &[], &[], Selection::default());
+        let frame = Frame { min: Vec2::ZERO, max: Vec2::new(400.0, 300.0) };
+        let sides = Sides::of(&Sections::default()).standing(DVec3::Y);
+        let rotation = choose(&scene, &sides, frame).rotation;
+        let toward_viewer = rotation.transpose() * Vec3::Z;
+        assert!(toward_viewer.z.abs() > 2.0 * toward_viewer.x.abs(), "{toward_viewer}");
+        assert!((rotation * Vec3::Y).y > 0.8, "y is up: {}", rotation * Vec3::Y);
     }
 
     #[test]
@@ -262,9 +285,10 @@ pub(in crate::picture) mod tests {
         // A small sphere behind a big one, along x: from −x it would be hidden.
         let mut builder = sphere(DVec3::ZERO, 1.0, [Label(1), Label(0)]);
         builder.append(sphere(DVec3::X * 1.6, 0.4, [Label(2), Label(0)]));
-        let scene = Scene::new(&builder.mesh, &[], &[]);
+        let scene = Scene::new(&builder.mesh, &[], &[], Selection::default());
         let frame = Frame { min: Vec2::ZERO, max: Vec2::new(400.0, 300.0) };
-        let toward_viewer = choose(&scene, frame).rotation.transpose() * Vec3::Z;
+        let toward_viewer =
+            choose(&scene, &Sides::of(&Sections::default()), frame).rotation.transpose() * Vec3::Z;
         assert!(toward_viewer.x > -0.5, "{toward_viewer}");
     }
 }

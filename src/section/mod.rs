@@ -6,9 +6,11 @@ mod extent;
 mod graph;
 mod loops;
 mod overlay;
+mod reach;
 mod rectangle;
 mod regions;
 mod sections;
+mod stack;
 mod subdivision;
 #[cfg(test)]
 mod tests;
@@ -27,6 +29,7 @@ pub use agreement::Disagreement;
 pub(crate) use extent::COVERED;
 pub use rectangle::Rectangle;
 pub use regions::Region;
+pub use stack::Stack;
 
 /// An edge of a section's planar graph, with a label on either side as seen
 /// with the plane's normal pointing at the viewer.
@@ -142,6 +145,8 @@ pub struct Sections {
     /// The frame of the coordinates, as the file gives it ("LPS"); empty when
     /// unknown.
     pub frame: String,
+    /// Which way is up, as the file gives it; any length but 0.
+    pub up: Option<DVec3>,
     /// What was doubtful.
     pub warnings: Vec<Warning>,
     /// What was left out (degenerate loops, for one).

@@ -5,9 +5,13 @@ use glam::DVec3;
 use super::draft::Draft;
 use super::overlay::Overlay;
 use super::{Findings, Rules, Section, Sections, Warning};
+use crate::direction;
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
 use crate::plane::{Bounds, Plane};
+
+/// How far the tips of two unit vectors of one direction may lie apart.
+const SAME_DIRECTION: f64 = 1e-6;
 
 impl Sections {
     /// Sections of distinct planes. Those of one plane are merged, with a
@@ -31,7 +35,7 @@ impl Sections {
     /// their file in front.
     ///
     /// # Errors
-    /// As [`Sections::new`], and where units or frames differ.
+    /// As [`Sections::new`], and where units, frames or directions up differ.
     pub fn join(parts: Vec<Self>, rules: &Rules) -> Result<Self> {
         let mut whole = Self::default();
         for part in parts {
@@ -78,6 +82,7 @@ impl Sections {
         }
         same("unit", &mut self.units, &part.units, &part)?;
         same("frame", &mut self.frame, &part.frame, &part)?;
+        self.stand(&part)?;
         for section in std::mem::take(&mut part.sections) {
             self.push(section, rules)?;
         }
@@ -90,6 +95,25 @@ impl Sections {
         self.unknown_occurs |= part.unknown_occurs;
         self.files.append(&mut part.files);
         Ok(())
+    }
+
+    /// Up is up in all files that say what it is.
+    fn stand(&mut self, part: &Self) -> Result<()> {
+        let differ = match [self.up, part.up].map(|up| up.and_then(direction::unit)) {
+            [Some(known), Some(new)] => known.distance(new) > SAME_DIRECTION,
+            _ => false,
+        };
+        if differ {
+            let what = "its \"up\" is not that of the files before: make them the same";
+            return Err(Error::Option(format!("{}: {what}", part.first_file())));
+        }
+        self.up = self.up.or(part.up);
+        Ok(())
+    }
+
+    /// The first of the files, for errors.
+    fn first_file(&self) -> String {
+        self.files.first().map(|file| file.display().to_string()).unwrap_or_default()
     }
 
     fn rename(&mut self, file: &str) {
@@ -159,9 +183,9 @@ fn same(what: &str, known: &mut String, new: &str, part: &Sections) -> Result<()
     if known.is_empty() {
         new.clone_into(known);
     } else if !new.is_empty() && known != new {
-        let file = part.files.first().map(|file| file.display().to_string()).unwrap_or_default();
         return Err(Error::Option(format!(
-            "{file}: its {what} is {new:?}, that of the files before is {known:?}: convert one"
+            "{}: its {what} is {new:?}, that of the files before is {known:?}: convert one",
+            part.first_file()
         )));
     }
     Ok(())

@@ -28,7 +28,7 @@ struct Drawing {
 struct DrawnEdge {
     low: DVec2,
     high: DVec2,
-    left: Label,
+    /// The label to its right.
     right: Label,
 }
 
@@ -138,9 +138,9 @@ impl Drawing {
         let edges = section.edges().iter().map(|edge| {
             let (start, end) = (place(edge.start), place(edge.end));
             if start.y <= end.y {
-                DrawnEdge { low: start, high: end, left: edge.left, right: edge.right }
+                DrawnEdge { low: start, high: end, right: edge.right }
             } else {
-                DrawnEdge { low: end, high: start, left: edge.right, right: edge.left }
+                DrawnEdge { low: end, high: start, right: edge.left }
             }
         });
         Self { origin, sides, background: section.background(), edges: edges.collect() }

@@ -40,11 +40,6 @@ impl SegmentTree {
         Self { segments, boxes }
     }
 
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.segments.is_empty()
-    }
-
     /// The distance from a point to the nearest segment; infinite without any.
     pub fn distance(&self, point: DVec3, hint: &mut Hint) -> f64 {
         let Some(&guess) = self.segments.get(hint.0 as usize) else { return f64::INFINITY };
@@ -163,7 +158,6 @@ mod tests {
     #[test]
     fn without_segments_all_is_far() {
         let tree = SegmentTree::new(Vec::new());
-        assert!(tree.is_empty());
         assert_eq!(tree.distance(DVec3::ZERO, &mut Hint::default()), f64::INFINITY);
         assert_eq!(tree.distance_below(1.0, DVec3::ZERO), None);
     }
