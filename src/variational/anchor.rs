@@ -110,29 +110,23 @@ impl<'a> Anchor<'a> {
         let lattice = &level.lattice;
         let mut grid = LeafGrid::new(level.domain.low, level.domain.high);
         grid.add(grid.all_places());
-        let place = |node: [i32; 3]| if is_open { lattice.nearest_inner(node) } else { node };
-        let leaves = grid.leaves();
-        let nodes = |leaf: &[i32; 3]| {
-            let leaf = *leaf;
-            (0..LEAF_NODES).map(move |node| place(node_of(leaf, node)))
-        };
-        let points: Vec<DVec3> =
-            leaves.par_iter().flat_map_iter(nodes).map(|node| lattice.position(node)).collect();
+        let solid = inside(lattice, self.vertices, &self.solid, grid.leaves());
+        for (value, is_inside) in grid.values_mut().iter_mut().zip(solid) {
+            *value = if is_inside { self.sign } else { -self.sign };
+        }
+        let places: Vec<[i32; 3]> = (grid.leaves().iter())
+            .flat_map(|&leaf| (0..LEAF_NODES).map(move |node| node_of(leaf, node)))
+            .map(|node| if is_open { lattice.nearest_inner(node) } else { node })
+            .collect();
+        let points: Vec<DVec3> = places.par_iter().map(|&node| lattice.position(node)).collect();
         let nearest = Nearest::new(self.vertices, self.sheets.as_flattened())?;
         let distances = nearest.distances(&points)?;
-        let solid = inside(lattice, self.vertices, &self.solid, leaves);
-        let mut signs = LeafGrid::new(level.domain.low, level.domain.high);
-        signs.add(leaves.iter().copied());
-        for (sign, is_inside) in signs.values_mut().iter_mut().zip(solid) {
-            *sign = if is_inside { self.sign } else { -self.sign };
-        }
-        let of_node = |index: usize| {
-            let node = place(node_of(leaves[index / LEAF_NODES], index % LEAF_NODES));
-            let sign = signs.value(node).unwrap_or(-self.sign);
-            sign * (distances[index] / lattice.voxel) as f32
-        };
-        let values: Vec<f32> = (0..distances.len()).into_par_iter().map(of_node).collect();
-        grid.values_mut().copy_from_slice(&values);
+        let signed: Vec<f32> = (places.into_par_iter().zip(distances))
+            .map(|(node, distance)| {
+                grid.value(node).unwrap_or(0.0) * (distance / lattice.voxel) as f32
+            })
+            .collect();
+        grid.values_mut().copy_from_slice(&signed);
         Ok(grid)
     }
 

@@ -179,7 +179,8 @@ fn contours_find_what_the_coarse_lattice_misses() {
         edges: (0..4).map(edge).collect(),
         background: Label::OUTSIDE,
     };
-    let starts = contour_leaves(&[section], &lattice);
+    let edges: Vec<[DVec3; 2]> = segments(&section).collect();
+    let Starts(starts) = Starts::along(&edges, &lattice);
     let sampler =
         Sampler { cells: &cells, field: &balls, lattice, margin: Margin(1), progress: &Silent };
     let samples = sampler.run(starts).unwrap().samples;

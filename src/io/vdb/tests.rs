@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::*;
 use crate::check::shapes::disc;
 use crate::grid::distance::tests::sphere;
-use crate::grid::samples::{LEAF_NODES, LeafValues};
+use crate::grid::samples::{LEAF_NODES, LeafValues, Values};
 use crate::plane::Plane;
 
 /// A ball of label 7 in the middle of a lattice of 40 nodes a side.

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::grid::samples::Lattice;
+use crate::grid::samples::{Lattice, Values};
 use crate::label::Label;
 use crate::mesh::shapes::{assert_edge_manifold, cylinder, open_samples, samples, solid};
 use crate::plane::Bounds;

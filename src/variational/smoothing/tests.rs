@@ -174,8 +174,9 @@ fn a_cylinder_leaves_an_open_box_as_wide_as_it_is_inside() {
 fn halves() -> Vec<Section> {
     let half = |mut disc: Section| {
         let corners = disc.vertices.len() as u32;
+        let places = disc.clone();
         for edge in &mut disc.edges {
-            let middle = (disc.point(edge.start) + disc.point(edge.end)) / 2.0;
+            let middle = (places.point(edge.start) + places.point(edge.end)) / 2.0;
             let own = if middle.y > 0.0 { Label(2) } else { LABEL };
             for side in [&mut edge.left, &mut edge.right] {
                 *side = if *side == LABEL { own } else { *side };
