@@ -1,7 +1,8 @@
 //! `./x bench`: seconds per stage, field evaluations, edge evaluations per
 //! second for each backend beside the scalar f64 reference, and peak memory,
 //! for the bundled example and the real files there are; what it costs when a
-//! fifth of every section is unknown; points per second of the oracle beside
+//! fifth of every section is unknown; unknowns × iterations per second of the
+//! variational solver's backends; points per second of the oracle beside
 //! plain floats that look at every edge; and the exact reconstruction beside the
 //! way from sections to a mesh by the field.
 //!
@@ -16,11 +17,13 @@ use transect::arrangement::Arrangement;
 use transect::change::Change;
 use transect::check::{self, check};
 use transect::error::{Error, Result};
-use transect::field::{Adapter, Boundaries, Cpu, Field, Gpu, Queries, Reference, Run};
+use transect::field::{Adapter, Boundaries, Cpu, Device, Field, Gpu, Queries, Reference, Run};
+use transect::grid::lattice::Resolution;
+use transect::grid::samples::Lattice;
 use transect::io;
 use transect::label::Label;
 use transect::mask::{Blobs, Mask, mask};
-use transect::method::{MeanValue, Method};
+use transect::method::{MeanValue, Method, Variational};
 use transect::model::{Model, Options};
 use transect::oracle::Oracle;
 use transect::plane::Bounds;
@@ -28,6 +31,7 @@ use transect::progress::Silent;
 use transect::section::{Rules, Section, Sections};
 use transect::skeleton::{self, skeleton};
 use transect::stage::Stages;
+use transect::variational::Trial;
 
 /// The stages that are shown, in their order.
 const STAGES: [&str; 7] =
@@ -42,6 +46,10 @@ const ORACLE_POINTS: [u32; 2] = [1_000_000, 100_000];
 /// Points that the backends are timed on: as many as the reference can do in
 /// about a second, and more for the others.
 const POINTS: [(&str, usize); 3] = [("reference", 20_000), ("cpu", 1_000_000), ("gpu", 200_000)];
+
+/// What the solver is timed on: a software adapter has some half a million updates a
+/// second, so no more than it can do.
+const SOLVER_VOXELS: Resolution = Resolution::Voxels(96);
 
 fn main() -> Result<()> {
     let wanted: Vec<String> =
@@ -70,6 +78,10 @@ fn main() -> Result<()> {
     println!("\n{:<22}{:>14}  G edge evaluations a second (× the reference)", "", "edges/point");
     for (name, model, _) in &models {
         rates(name, arrangement(model)?)?;
+    }
+    println!("\n{:<22}{:>14}  M unknowns × iterations a second of the solver", "", "unknowns");
+    for (name, model, _) in &models {
+        solver_rates(name, model)?;
     }
     println!("\n{:<22}M points a second of the oracle (× plain floats)", "");
     for (name, model, partial) in &models {
@@ -235,6 +247,23 @@ fn rates(name: &str, arrangement: &Arrangement) -> Result<()> {
             of_reference = rate;
         }
         print!("  {} {:.3} (× {:.1})", field.name(), rate / 1e9, rate / of_reference);
+    }
+    println!();
+    Ok(())
+}
+
+/// One row of the table of the variational solver's backends.
+fn solver_rates(name: &str, model: &Model) -> Result<()> {
+    let bounds = arrangement(model)?.bounds();
+    let lattice = Lattice::new(bounds, SOLVER_VOXELS)?;
+    let trial = Trial::new(&model.sections().sections, bounds, &lattice, &Variational::default())?;
+    print!("{name:<22}{:>14}", trial.unknowns());
+    for (device, times) in [(Device::Cpu, 3), (Device::Gpu, 1)] {
+        match trial.run(device, times) {
+            Ok(rate) => print!("  {} {:.1}", rate.device, rate.updates / 1e6),
+            Err(Error::Device(_)) => print!("  gpu skipped: no adapter"),
+            Err(other) => return Err(other),
+        }
     }
     println!();
     Ok(())

@@ -2,10 +2,14 @@
 //! cross-sections of any orientation.
 //!
 //! ```text
-//! section ─► arrangement ─► field ─► grid ─► mesh ─► check ─► report, io, picture
-//!  exact        exact        f32      f32     f64     CGAL
+//! section ─► variational ───────────► grid ─► mesh ─► check ─► report, io, picture
+//!  exact ╎      f32                    f32     f64     CGAL
+//!        └► arrangement ─► field ───────┘        ╎
+//!        └► skeleton (exact) ────────────────────┘
 //!             └────── model::Model applies a change::Change ──────┘
 //! ```
+//!
+//! How space between sections is filled is a [`method::Method`].
 //!
 //! An arrow never points back. What holds after each stage:
 //!
@@ -35,6 +39,7 @@ pub mod direction;
 pub mod error;
 pub mod ffi;
 pub mod field;
+mod gpu;
 pub mod grid;
 pub mod inspect;
 pub mod io;

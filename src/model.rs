@@ -169,6 +169,7 @@ impl Ground<'_> {
             counts.insert("leaves".into(), solved.samples.leaves.len() as u64);
             counts.insert("unknowns".into(), solved.effort.unknowns);
             counts.insert("updates".into(), solved.effort.updates);
+            counts.insert("specks".into(), solved.specks);
             Ok((solved.samples, solved.device))
         })?;
         let mesh = mesh(&samples, &method.mesher, stages, progress)?;

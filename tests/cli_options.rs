@@ -136,7 +136,10 @@ fn spacing_says_how_finely_unknown_regions_are_completed() {
     let corners = |spacing: &str| {
         let mut command = transect();
         command.arg("reconstruct").arg(path("noisy.json")).args(COARSE).args(["--quiet"]);
-        command.args(["--spacing", spacing]).arg("--report").arg(path("report.json"));
+        command
+            .args(["--method", "mvc", "--spacing", spacing])
+            .arg("--report")
+            .arg(path("report.json"));
         assert_done(&run(command.arg("-o").arg(path("a.ply"))));
         counts(&json(&path("report.json")), "completion")["corners"].as_u64().expect("a count")
     };
@@ -393,7 +396,11 @@ fn the_exact_method_refuses_what_has_no_meaning_for_it() {
     };
     refused(&["--exact", &exact], "--method skeleton");
     refused(&["--fair"], "--method skeleton");
-    refused(&["--method", "skeleton", "--box", "unknown"], "--box outside");
+    refused(&["--method", "skeleton", "--box", "unknown"], "--box unknown");
     refused(&["--method", "skeleton", "--mesher", "delaunay"], "--mesher");
+    refused(&["--method", "skeleton", "--device", "cpu"], "--device");
+    refused(&["--method", "skeleton", "--smooth", "3"], "--method mvc");
+    refused(&["--smooth", "3"], "--method mvc");
+    refused(&["--spacing", "0.1"], "--method mvc");
     refused(&["--method", "skeleton", "--fair", "--exact", &exact], "--fair");
 }

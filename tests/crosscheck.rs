@@ -125,7 +125,7 @@ fn our_own_surface_is_no_farther_than_nothing() {
         .arg("reconstruct")
         .arg(organs())
         .args(&QUICK[..2])
-        .args(["--smooth", "0", "-q", "-o"]);
+        .args(["--method", "mvc", "--smooth", "0", "-q", "-o"]);
     assert_done(&run(reconstruct.arg(&path)));
     let report = report(&["--against", path.to_str().expect("UTF-8")]);
     let against = &report["against"];

@@ -6,7 +6,7 @@ use transect::change::Change;
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
-use transect::method::{Method, Skeleton};
+use transect::method::{self, Method};
 use transect::model::{Model, Options as ModelOptions};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
@@ -195,7 +195,7 @@ fn too_many_patches_are_left_to_the_grid() {
     let rules = Rules::default();
     let sections = Sections::new((-3..=3).map(patch).collect(), &rules).expect("sections");
     let options = ModelOptions {
-        method: Method::Skeleton(Skeleton::default()),
+        method: Method::Skeleton(method::Skeleton::default()),
         resolution: Resolution::Voxels(32),
     };
     let mut model = Model::new(options);

@@ -19,6 +19,7 @@ use transect::io::ply;
 use transect::label::Label;
 use transect::mesh::Mesh;
 use transect::picture::{PictureOptions, render, write_png};
+use transect::section::Sections;
 
 use formulas::Solid;
 
@@ -89,6 +90,6 @@ fn write(mesh: &Mesh, path: &Path) -> std::io::Result<()> {
 fn draw(mesh: &Mesh, path: &Path) -> std::io::Result<()> {
     let options = PictureOptions { size: [800, 600], ..PictureOptions::default() };
     let mut out = BufWriter::new(File::create(path)?);
-    write_png(&render(mesh, &[], &[], &options), &mut out)?;
+    write_png(&render(mesh, &Sections::default(), &[], &options), &mut out)?;
     out.flush()
 }

@@ -49,8 +49,10 @@ mod fixture;
 pub use boundaries::Boundaries;
 pub use completion::Completion;
 pub use cpu::Cpu;
-pub use gpu::{Adapter, Gpu};
+pub use gpu::Gpu;
 pub use reference::Reference;
+
+pub use crate::gpu::Adapter;
 
 /// Points grouped by the cell they lie in.
 #[derive(Debug, Clone, Default)]

@@ -35,13 +35,14 @@ impl LeafGrid {
         Self { first, dims, slots: vec![NO_SLOT; count], leaves: Vec::new(), values: Vec::new() }
     }
 
-    /// Only where leaves are: no values.
+    /// Leaves by their slots alone, without values.
     pub fn indexed(low: [i32; 3], high: [i32; 3], leaves: &[[i32; 3]]) -> Self {
         let mut grid = Self::new(low, high);
         for (slot, &leaf) in leaves.iter().enumerate() {
             let place = grid.place(leaf);
             grid.slots[place] = slot as u32;
         }
+        grid.leaves = leaves.to_vec();
         grid
     }
 
@@ -148,6 +149,17 @@ impl LeafSet {
             Some(place) => !std::mem::replace(&mut self.has[place], true),
             None => false,
         }
+    }
+
+    /// Its leaves, sorted.
+    pub fn sorted(&self) -> Vec<[i32; 3]> {
+        let [_, y, z] = self.dims.map(|side| side as usize);
+        let places = self.has.iter().enumerate().filter(|(_, has)| **has);
+        let leaf = |(place, _): (usize, &bool)| {
+            let at = [place / (y * z), place / z % y, place % z];
+            std::array::from_fn(|axis| at[axis] as i32 + self.first[axis])
+        };
+        places.map(leaf).collect()
     }
 
     /// Whether a leaf is there.

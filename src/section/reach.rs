@@ -8,8 +8,8 @@ use crate::plane::Bounds;
 /// How far the box reaches beyond contours within their planes, and where no other
 /// section is parallel also across, relative to the diagonal of all contours.
 const MARGIN: f64 = 0.05;
-/// The cosine of the largest angle between planes that are neighbours.
-const PARALLEL: f64 = 0.966; // 15°
+/// The sine of the largest angle between planes that count as parallel.
+const PARALLEL: f64 = 1e-2;
 /// The smallest reach, relative to the diagonal: sections that lie closer are two
 /// views of one place and no spacing.
 const LEAST: f64 = 2e-3;
@@ -23,7 +23,7 @@ impl Section {
 
 impl Sections {
     /// For every section how far beyond it a solid may reach across its plane, in
-    /// world units: as far as the nearest section is away that is about parallel.
+    /// world units: as far as the nearest section is away that is parallel.
     /// A twentieth of the diagonal where there is none. Empty without contours.
     pub fn reaches(&self) -> Vec<f64> {
         let Some(all) = self.bounds() else { return Vec::new() };
@@ -34,7 +34,7 @@ impl Sections {
             let own = section.bounds().map_or(middle, |own| (own.min + own.max) / 2.0);
             let from = own - section.plane.distance(own) * normal;
             let gap = |other: &Section| {
-                let is_parallel = normal.dot(other.plane.unit_normal()).abs() >= PARALLEL;
+                let is_parallel = normal.cross(other.plane.unit_normal()).length() <= PARALLEL;
                 let gap = other.plane.distance(from).abs();
                 (is_parallel && gap >= LEAST * diagonal).then_some(gap)
             };

@@ -12,6 +12,16 @@ pub struct Limits {
     /// When the residual, in the norm of the preconditioner, has become so many
     /// times smaller.
     pub tolerance: f64,
+    /// The squared norm that is compared with, if it is not that of the residual
+    /// given.
+    pub of: Option<f64>,
+}
+
+impl Limits {
+    /// So small r · D⁻¹ r is to become, from `first` on.
+    pub fn goal(&self, first: f64) -> f64 {
+        self.tolerance * self.tolerance * self.of.unwrap_or(first)
+    }
 }
 
 /// What is to be added to the values.
@@ -21,6 +31,8 @@ pub struct Correction {
     pub values: Vec<f32>,
     /// How many iterations it took.
     pub iterations: u32,
+    /// The squared norm of the residual that was given, r · D⁻¹ r.
+    pub size: f64,
 }
 
 /// What every backend does, in f32. The vectors have 512 values for each leaf of
@@ -29,11 +41,11 @@ pub trait Backend: Send + Sync {
     /// What it runs on, for people to read.
     fn name(&self) -> String;
 
-    /// A x.
+    /// A x; what the contract asks for first.
     ///
     /// # Errors
     /// When the device fails.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the contract asks for it"))]
+    #[allow(dead_code)]
     fn apply(&self, system: &System, values: &[f32]) -> Result<Vec<f32>>;
 
     /// Solves A x = `residual` by conjugate gradients from x = 0, the diagonal of A

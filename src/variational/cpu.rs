@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::grid::leaf_grid::{LeafGrid, NO_SLOT};
-use crate::grid::samples::LEAF_NODES;
+use crate::grid::samples::{LEAF_NODES, LEAF_SIDE};
 
 use super::backend::{Backend, Correction, Limits};
 use super::stencil::{
@@ -34,16 +34,22 @@ impl Cpu {
         Self { fused }
     }
 
-    /// A x in one leaf, x being 0 where it is not free.
-    fn apply_leaf(self, system: &System, leaf: usize, patch: &Patch, out: &mut Nodes) {
+    /// With the instructions that every processor of its kind has.
+    #[cfg(test)]
+    pub fn baseline() -> Self {
+        Self { fused: false }
+    }
+
+    /// A x in one leaf, for values of all leaves that are 0 where they are not free;
+    /// returns its part of x · A x.
+    pub fn apply_in(self, system: &System, leaf: usize, values: &[f32], out: &mut Nodes) -> f64 {
         #[cfg(target_arch = "x86_64")]
         if self.fused {
             // SAFETY: `new` found these instructions on this processor.
-            unsafe { apply_fused(system, leaf, patch, out) };
-            return;
+            return unsafe { apply_fused(system, leaf, values, out) };
         }
         let _ = self.fused;
-        apply(system, leaf, patch, out);
+        apply(system, leaf, values, out)
     }
 }
 
@@ -55,22 +61,25 @@ impl Default for Cpu {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn apply_fused(system: &System, leaf: usize, patch: &Patch, out: &mut Nodes) {
-    apply(system, leaf, patch, out);
+fn apply_fused(system: &System, leaf: usize, values: &[f32], out: &mut Nodes) -> f64 {
+    apply(system, leaf, values, out)
 }
 
 #[inline(always)]
-fn apply(system: &System, leaf: usize, patch: &Patch, out: &mut Nodes) {
+fn apply(system: &System, leaf: usize, values: &[f32], out: &mut Nodes) -> f64 {
+    let mut patch = [0.0; PATCH_NODES];
+    gather(system, leaf, values, &mut patch);
     match system.domain_near(system.leaves[leaf]) {
-        None => stencil(patch, out),
-        Some(domain) => stencil_at_boundary(patch, system.leaves[leaf], domain, out),
+        None => stencil(&patch, out),
+        Some(domain) => stencil_at_boundary(&patch, system.leaves[leaf], domain, out),
     }
-    add_samples(patch, system.samples_of(leaf), |sample, value| sample.weight * value, out);
+    add_samples(&patch, system.samples_of(leaf), |sample, value| sample.weight * value, out);
     if let Some(anchors) = &system.anchors {
         let [weights, _] = anchors.of(leaf);
-        add_anchors(patch, |node, value| weights[node] * value, out);
+        add_anchors(&patch, |node, value| weights[node] * value, out);
     }
     keep_free(&system.free[leaf], out);
+    dot(&values.as_chunks::<LEAF_NODES>().0[leaf], out)
 }
 
 /// Sets what is not free to 0.
@@ -87,35 +96,40 @@ fn keep_free(free: &[u64; 8], out: &mut Nodes) {
 }
 
 /// The patch of a leaf of the system from values leaf by leaf.
+#[inline(always)]
 fn gather(system: &System, leaf: usize, values: &[f32], patch: &mut Patch) {
     let leaves = values.as_chunks::<LEAF_NODES>().0;
-    for (step, &slot) in system.neighbours[leaf].iter().enumerate() {
-        let (to, from, count) = overlap([step / 9, step / 3 % 3, step % 3]);
-        for x in 0..count[0] {
-            for y in 0..count[1] {
-                let row = ((to[0] + x) * PATCH + to[1] + y) * PATCH + to[2];
-                let out = &mut patch[row..row + count[2]];
-                if slot == NO_SLOT {
-                    out.fill(0.0);
-                } else {
-                    let row = ((from[0] + x) * 8 + from[1] + y) * 8 + from[2];
-                    out.copy_from_slice(&leaves[slot as usize][row..row + count[2]]);
-                }
-            }
-        }
+    let own = system.neighbours[leaf].map(|slot| match slot {
+        NO_SLOT => &NOTHING,
+        slot => &leaves[slot as usize],
+    });
+    fill_patch(&own, patch);
+}
+
+/// Values of a leaf that is not there.
+const NOTHING: Nodes = [0.0; LEAF_NODES];
+
+/// The patch from the 27 leaves around one.
+#[inline(always)]
+fn fill_patch(leaves: &[&Nodes; 27], patch: &mut Patch) {
+    let rows = patch.as_chunks_mut::<PATCH>().0;
+    for (index, row) in rows.iter_mut().enumerate() {
+        let [(step_x, x), (step_y, y)] = [source(index / PATCH), source(index % PATCH)];
+        let (line, column) = (x * LEAF_SIDE + y, step_x * 9 + step_y * 3);
+        let line = |step: usize| &leaves[column + step].as_chunks::<LEAF_SIDE>().0[line];
+        let [before, here, after] = [line(0), line(1), line(2)];
+        row[..REACH].copy_from_slice(&before[LEAF_SIDE - REACH..]);
+        row[REACH..REACH + LEAF_SIDE].copy_from_slice(here);
+        row[REACH + LEAF_SIDE..].copy_from_slice(&after[..REACH]);
     }
 }
 
-/// Where in a patch the nodes of the neighbour at `step` (0, 1, 2 along each axis)
-/// go, where in the neighbour they come from, and how many they are.
+/// Which of three leaves in a row a patch's layer comes from, and which of its layers
+/// it is.
 #[inline(always)]
-fn overlap(step: [usize; 3]) -> ([usize; 3], [usize; 3], [usize; 3]) {
-    let reach = REACH as usize;
-    let side = SIDE as usize;
-    let to = step.map(|step| [0, reach, reach + side][step]);
-    let from = step.map(|step| [side - reach, 0, 0][step]);
-    let count = step.map(|step| [reach, side, reach][step]);
-    (to, from, count)
+fn source(layer: usize) -> (usize, usize) {
+    let from_first = layer + LEAF_SIDE - REACH;
+    (from_first / LEAF_SIDE, from_first % LEAF_SIDE)
 }
 
 /// What is left of the right-hand side: b − A x in the free nodes, leaf by leaf,
@@ -126,7 +140,7 @@ pub fn residual(system: &System, grid: &LeafGrid) -> Vec<f32> {
     leaves.par_iter_mut().enumerate().with_min_len(FEW).for_each(|(leaf, out)| {
         let at = system.leaves[leaf];
         let mut patch = [0.0; PATCH_NODES];
-        grid.gather::<PATCH>(at.map(|along| along * SIDE - REACH), &mut patch);
+        grid.gather::<PATCH>(at.map(|along| along * SIDE - REACH as i32), &mut patch);
         match system.domain_near(at) {
             None => stencil(&patch, out),
             Some(domain) => stencil_at_boundary(&patch, at, domain, out),
@@ -183,8 +197,9 @@ impl Backend for Cpu {
             residual,
             inverse,
         };
-        let mut size = state.size();
-        let goal = limits.tolerance * limits.tolerance * size;
+        let mut size = size(&state.residual, &state.inverse);
+        let first = size;
+        let goal = limits.goal(first);
         let mut iterations = 0;
         while iterations < limits.iterations && size > goal {
             let curvature = self.apply_all(system, &state.direction, &mut state.product);
@@ -196,7 +211,7 @@ impl Backend for Cpu {
             size = next;
             iterations += 1;
         }
-        Ok(Correction { values: state.correction, iterations })
+        Ok(Correction { values: state.correction, iterations, size: first })
     }
 }
 
@@ -204,20 +219,22 @@ impl Cpu {
     /// A x, and the product x · A x.
     fn apply_all(&self, system: &System, values: &[f32], out: &mut [f32]) -> f64 {
         let leaves = out.as_chunks_mut::<LEAF_NODES>().0;
-        let own = values.as_chunks::<LEAF_NODES>().0;
         let products: Vec<f64> = leaves
             .par_iter_mut()
             .enumerate()
             .with_min_len(FEW)
-            .map(|(leaf, out)| {
-                let mut patch = [0.0; PATCH_NODES];
-                gather(system, leaf, values, &mut patch);
-                self.apply_leaf(system, leaf, &patch, out);
-                dot(&own[leaf], out)
-            })
+            .map(|(leaf, out)| self.apply_in(system, leaf, values, out))
             .collect();
         products.iter().sum()
     }
+}
+
+/// r · D⁻¹ r.
+pub fn size(residual: &[f32], inverse: &[f32]) -> f64 {
+    let leaves = residual.as_chunks::<LEAF_NODES>().0.par_iter();
+    let inverse = inverse.as_chunks::<LEAF_NODES>().0;
+    let sizes: Vec<f64> = leaves.zip(inverse).map(|(r, by)| weighted(r, by)).collect();
+    sizes.iter().sum()
 }
 
 /// The vectors of conjugate gradients, leaf by leaf.
@@ -230,14 +247,6 @@ struct State {
 }
 
 impl State {
-    /// r · D⁻¹ r.
-    fn size(&self) -> f64 {
-        let leaves = self.residual.as_chunks::<LEAF_NODES>().0.par_iter();
-        let inverse = self.inverse.as_chunks::<LEAF_NODES>().0;
-        let sizes: Vec<f64> = leaves.zip(inverse).map(|(r, by)| weighted(r, by)).collect();
-        sizes.iter().sum()
-    }
-
     /// Goes along the direction; returns r · D⁻¹ r.
     fn step(&mut self, length: f32) -> f64 {
         let correction = self.correction.as_chunks_mut::<LEAF_NODES>().0;
@@ -278,6 +287,7 @@ impl State {
 /// Lanes of partial sums, so that a sum becomes vector instructions.
 const LANES: usize = 16;
 
+#[inline(always)]
 fn dot(one: &Nodes, other: &Nodes) -> f64 {
     let mut sums = [0.0f32; LANES];
     for (one, other) in one.as_chunks::<LANES>().0.iter().zip(other.as_chunks::<LANES>().0) {
@@ -289,6 +299,7 @@ fn dot(one: &Nodes, other: &Nodes) -> f64 {
 }
 
 /// Σ r² D⁻¹.
+#[inline(always)]
 fn weighted(residual: &Nodes, inverse: &Nodes) -> f64 {
     let mut sums = [0.0f32; LANES];
     let inverse = inverse.as_chunks::<LANES>().0;

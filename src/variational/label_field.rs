@@ -15,10 +15,10 @@ use crate::section::Section;
 use super::anchor::{Anchor, Original};
 use super::backend::{Backend, Limits};
 use super::cpu::residual;
-use super::level::{Level, ensure, near_changes, near_points};
+use super::level::{Level, ensure, leaves_between, near_changes, near_points};
 use super::outline::Outline;
 use super::plane_samples::{PlaneSample, plane_samples};
-use super::segments::{Hint, SegmentTree};
+use super::segments::Hint;
 use super::system::{Pull, SIDE, System};
 use super::{Effort, Weights};
 
@@ -33,9 +33,9 @@ const BAND: i32 = 2;
 /// Times that the samples on the wrong side are looked for.
 const PASSES: u32 = 3;
 /// Where all of the box is solved for.
-const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3 };
+const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: None };
 /// In the band.
-const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-4 };
+const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-3, of: None };
 
 /// What all labels' fields are made from.
 pub struct Scene<'a> {
@@ -74,12 +74,12 @@ struct Solver<'a> {
     label: Label,
     outline: Outline,
     levels: Vec<Level>,
-    /// Points of the surface of the last whole level, for soft values.
-    surface: Option<SegmentTree>,
     /// What it is drawn to, and the signed distances from it on every level.
     anchor: Option<Anchor<'a>>,
     anchored: Vec<LeafGrid>,
     effort: Effort,
+    /// How far the present whole level was from its solution when it began.
+    first: Option<f64>,
 }
 
 impl LabelField {
@@ -97,19 +97,14 @@ impl LabelField {
             label,
             outline,
             levels: Vec::new(),
-            surface: None,
             anchor,
             anchored: Vec::new(),
             effort: Effort::default(),
+            first: None,
         };
         let mut band = Vec::new();
         for whole in 0..scene.whole {
             band = solver.add_whole_level(whole)?;
-        }
-        for _ in 0..scene.weights.retargets {
-            solver.retarget();
-            let last = scene.whole - 1;
-            solver.solve_whole(last)?;
         }
         for number in scene.whole..scene.lattices.len() {
             band = solver.add_narrow_level(number)?;
@@ -147,6 +142,7 @@ impl Solver<'_> {
         self.push(level)?;
         self.ensure(all.iter().copied());
         if self.is_solved(number) {
+            self.first = None;
             self.solve_whole(number)?;
         }
         Ok(all)
@@ -178,7 +174,9 @@ impl Solver<'_> {
         let targets = is_soft.then(|| self.soft_targets(number, samples));
         for _ in 0..PASSES {
             let pulls = self.pulls(number, samples, targets.as_deref());
-            self.solve(number, all.clone(), &pulls, WHOLE)?;
+            let limits = Limits { of: self.first, ..WHOLE };
+            let size = self.solve(number, all.clone(), &pulls, limits)?;
+            self.first.get_or_insert(size);
         }
         Ok(())
     }
@@ -192,7 +190,7 @@ impl Solver<'_> {
         let starts_at_anchor = self.starts_at_anchor(number);
         let mut band = match starts_at_anchor {
             true => self.anchored[number].leaves().to_vec(),
-            false => self.refined(number, &lattice),
+            false => self.refined(number, &self.levels[number]),
         };
         self.ensure(contours.iter().chain(&band).copied());
         if !self.is_solved(number) {
@@ -208,41 +206,31 @@ impl Solver<'_> {
             band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
             self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
             let samples = self.samples_in(number, &band);
-            let is_coarse = lattice.voxel >= self.scene.weights.soft_voxel(self.scene.unit);
-            let is_soft = is_coarse && self.scene.original.is_none();
-            let targets = is_soft.then(|| self.soft_targets(number, &samples));
-            let pulls = self.pulls(number, &samples, targets.as_deref());
+            let pulls = self.pulls(number, &samples, None);
             self.solve(number, band.clone(), &pulls, NARROW)?;
         }
         Ok(band)
     }
 
-    /// The leaves of a lattice in leaves of the level below that hold a change of
+    /// The leaves of a level in leaves of the level below that hold a change of
     /// sign.
-    fn refined(&self, number: usize, lattice: &Lattice) -> Vec<[i32; 3]> {
-        let below = &self.levels[number - 1];
+    fn refined(&self, number: usize, level: &Level) -> Vec<[i32; 3]> {
+        let (below, lattice) = (&self.levels[number - 1], &level.lattice);
         let ratio = below.lattice.voxel / lattice.voxel;
         let shift = (below.lattice.origin - lattice.origin) / lattice.voxel;
         let side = f64::from(SIDE);
-        let mut leaves: Vec<[i32; 3]> = near_changes(&below.grid, 0)
-            .into_par_iter()
-            .flat_map_iter(|leaf| {
-                // One node more, for changes between this leaf and the next.
-                let range = |axis: usize| {
-                    let low = shift[axis] + ratio * side * f64::from(leaf[axis]);
-                    let high = low + ratio * side;
-                    (low / side).floor() as i32..=(high / side).floor() as i32
-                };
-                let (y, z) = (range(1), range(2));
-                range(0).flat_map(move |x| {
-                    let z = z.clone();
-                    y.clone().flat_map(move |y| z.clone().map(move |z| [x, y, z]))
-                })
-            })
-            .collect();
-        leaves.par_sort_unstable();
-        leaves.dedup();
-        leaves
+        let mut refined = LeafSet::new(&level.grid);
+        for leaf in near_changes(&below.grid, 0) {
+            // One node more, for changes between this leaf and the next.
+            let low: [f64; 3] =
+                std::array::from_fn(|axis| shift[axis] + ratio * side * f64::from(leaf[axis]));
+            let ends = [low, low.map(|along| along + ratio * side)];
+            let ends = ends.map(|end| end.map(|along| (along / side).floor() as i32));
+            for leaf in leaves_between(ends) {
+                refined.insert(leaf);
+            }
+        }
+        refined.sorted()
     }
 
     /// Interpolates leaves of the last level, and sets what the box fixes.
@@ -310,23 +298,13 @@ impl Solver<'_> {
         samples
             .par_chunks(CHUNK)
             .flat_map_iter(|samples| {
-                let mut hints = [Hint::default(); 2];
+                let mut hint = Hint::default();
                 samples.iter().map(move |sample| {
-                    let mut distance = self.distance(level, sample.at, &mut hints[0]);
-                    if let Some(surface) = &self.surface {
-                        let other = surface.distance(sample.at, &mut hints[1]);
-                        distance = distance.min((other / level.lattice.voxel) as f32);
-                    }
+                    let distance = self.distance(level, sample.at, &mut hint);
                     if sample.label == self.label { distance } else { -distance }
                 })
             })
             .collect()
-    }
-
-    /// Takes the surface as it is for what soft values are the distances to.
-    fn retarget(&mut self) {
-        let Some(level) = self.levels.last() else { return };
-        self.surface = Some(SegmentTree::new(crossings(level)));
     }
 
     /// The plane samples in a band.
@@ -380,14 +358,14 @@ impl Solver<'_> {
         pulls
     }
 
-    /// Solves for the free nodes of leaves.
+    /// Solves for the free nodes of leaves; says how far they were from the solution.
     fn solve(
         &mut self,
         number: usize,
         mut leaves: Vec<[i32; 3]>,
         pulls: &[Pull],
         limits: Limits,
-    ) -> Result<()> {
+    ) -> Result<f64> {
         let level = &self.levels[number];
         let is_free = |node: [i32; 3]| match self.scene.is_open {
             true => level.has(node),
@@ -409,7 +387,7 @@ impl Solver<'_> {
             let own = &mut grid.values_mut()[slot..slot + LEAF_NODES];
             own.iter_mut().zip(values).for_each(|(own, by)| *own += by);
         }
-        Ok(())
+        Ok(correction.size)
     }
 }
 
@@ -433,28 +411,4 @@ fn trilinear(level: &Level, at: [f64; 3]) -> Option<f32> {
         sum += x[step[0]] * y[step[1]] * z[step[2]] * level.grid.value(node)?;
     }
     Some(sum)
-}
-
-/// The points where edges of the lattice cross the surface.
-fn crossings(level: &Level) -> Vec<[DVec3; 2]> {
-    let Lattice { voxel, .. } = level.lattice;
-    let grid = &level.grid;
-    let of_leaf = |(slot, &leaf): (usize, &[i32; 3])| {
-        let mut points = Vec::new();
-        for (index, &value) in grid.leaf(slot as u32).iter().enumerate() {
-            let node = node_of(leaf, index);
-            for axis in 0..3 {
-                let mut next = node;
-                next[axis] += 1;
-                let Some(ahead) = grid.value(next) else { continue };
-                if (value > 0.0) != (ahead > 0.0) {
-                    let mut at = level.lattice.position(node);
-                    at[axis] += voxel * f64::from(value / (value - ahead));
-                    points.push([at; 2]);
-                }
-            }
-        }
-        points
-    };
-    grid.leaves().par_iter().enumerate().flat_map_iter(of_leaf).collect()
 }

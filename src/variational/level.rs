@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::grid::invariant::node_offset;
-use crate::grid::leaf_grid::{LeafGrid, NO_SLOT, around, leaf_of};
+use crate::grid::leaf_grid::{LeafGrid, LeafSet, NO_SLOT, around, leaf_of};
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 
 use super::system::{Domain, SIDE};
@@ -42,35 +42,27 @@ impl Level {
 
     /// The leaves of `wanted` that may be there and have no values yet, sorted.
     pub fn missing(&self, wanted: impl IntoIterator<Item = [i32; 3]>) -> Vec<[i32; 3]> {
-        let is_missing =
-            |&leaf: &[i32; 3]| self.grid.may_hold(leaf) && self.grid.slot(leaf) == NO_SLOT;
-        let mut missing: Vec<[i32; 3]> = wanted.into_iter().filter(is_missing).collect();
-        missing.par_sort_unstable();
-        missing.dedup();
-        missing
+        let mut missing = LeafSet::new(&self.grid);
+        for leaf in wanted {
+            if self.grid.slot(leaf) == NO_SLOT {
+                missing.insert(leaf);
+            }
+        }
+        missing.sorted()
     }
 
     /// The leaves of this level that some leaves of a finer lattice depend on.
     pub fn below(&self, leaves: &[[i32; 3]], finer: &Lattice) -> Vec<[i32; 3]> {
-        let mut below: Vec<[i32; 3]> = leaves
-            .par_iter()
-            .flat_map_iter(|&leaf| {
-                let rows = self.rows(leaf, finer);
-                let range = |axis: usize| {
-                    let Row { first, .. } = rows[axis][0];
-                    let Row { first: last, .. } = rows[axis][LEAF_SIDE - 1];
-                    first.div_euclid(SIDE)..=(last + 3).div_euclid(SIDE)
-                };
-                let (y, z) = (range(1), range(2));
-                range(0).flat_map(move |x| {
-                    let z = z.clone();
-                    y.clone().flat_map(move |y| z.clone().map(move |z| [x, y, z]))
-                })
-            })
-            .collect();
-        below.par_sort_unstable();
-        below.dedup();
-        below
+        let mut below = LeafSet::new(&self.grid);
+        for &leaf in leaves {
+            let rows = self.rows(leaf, finer);
+            let low = std::array::from_fn(|axis| rows[axis][0].first);
+            let high = std::array::from_fn(|axis| rows[axis][LEAF_SIDE - 1].first + 3);
+            for leaf in leaves_between([leaf_of(low), leaf_of(high)]) {
+                below.insert(leaf);
+            }
+        }
+        below.sorted()
     }
 
     /// The values at a leaf of a finer lattice, in its voxels.
@@ -228,15 +220,19 @@ pub fn ensure(
 /// The leaves near where values change their sign, and those within `reach` nodes
 /// of such a node; sorted.
 pub fn near_changes(grid: &LeafGrid, reach: i32) -> Vec<[i32; 3]> {
-    let near = |(slot, &leaf): (usize, &[i32; 3])| {
-        let steps = steps_to_mark(grid, slot as u32, reach);
-        around(leaf).enumerate().filter(move |(step, _)| steps >> step & 1 == 1).map(|one| one.1)
-    };
-    let mut leaves: Vec<[i32; 3]> =
-        grid.leaves().par_iter().enumerate().flat_map_iter(near).collect();
-    leaves.par_sort_unstable();
-    leaves.dedup();
-    leaves
+    let steps: Vec<u32> = (0..grid.leaves().len() as u32)
+        .into_par_iter()
+        .map(|slot| steps_to_mark(grid, slot, reach))
+        .collect();
+    let mut near = LeafSet::new(grid);
+    for (&leaf, steps) in grid.leaves().iter().zip(steps).filter(|(_, steps)| *steps != 0) {
+        for (step, leaf) in around(leaf).enumerate() {
+            if steps >> step & 1 == 1 {
+                near.insert(leaf);
+            }
+        }
+    }
+    near.sorted()
 }
 
 /// One bit for each of the 27 leaves around a leaf: whether a change of sign that
@@ -290,20 +286,28 @@ fn steps_within(offset: [usize; 3], axis: usize, reach: i32) -> u32 {
 /// The leaves within `reach` nodes of the cells that points lie in, given in
 /// nodes; sorted.
 pub fn near_points(points: &[[f64; 3]], reach: i32) -> Vec<[i32; 3]> {
-    let mut leaves: Vec<[i32; 3]> = points
-        .par_iter()
-        .flat_map_iter(|at| {
-            let node = at.map(|along| along.floor() as i32);
-            let low = leaf_of(node.map(|along| along - reach));
-            let high = leaf_of(node.map(|along| along + 1 + reach));
-            (low[0]..=high[0]).flat_map(move |x| {
-                (low[1]..=high[1]).flat_map(move |y| (low[2]..=high[2]).map(move |z| [x, y, z]))
-            })
-        })
-        .collect();
+    const CHUNK: usize = 1024;
+    let range = |at: &[f64; 3]| {
+        let node = at.map(|along| along.floor() as i32);
+        [node.map(|along| along - reach), node.map(|along| along + 1 + reach)].map(leaf_of)
+    };
+    let of_chunk = |points: &[[f64; 3]]| {
+        // Neighbouring points mostly lie in the same leaves.
+        let mut ranges: Vec<[[i32; 3]; 2]> = points.iter().map(range).collect();
+        ranges.dedup();
+        ranges.into_iter().flat_map(leaves_between)
+    };
+    let mut leaves: Vec<[i32; 3]> = points.par_chunks(CHUNK).flat_map_iter(of_chunk).collect();
     leaves.par_sort_unstable();
     leaves.dedup();
     leaves
+}
+
+/// All leaves from one to another.
+pub fn leaves_between([low, high]: [[i32; 3]; 2]) -> impl Iterator<Item = [i32; 3]> {
+    (low[0]..=high[0]).flat_map(move |x| {
+        (low[1]..=high[1]).flat_map(move |y| (low[2]..=high[2]).map(move |z| [x, y, z]))
+    })
 }
 
 #[cfg(test)]

@@ -14,7 +14,8 @@
 //! - the last sum is over samples on the wrong side, or nearer to the surface than m.
 //!   Which these are is found by solving several times (an *active set*);
 //! - w is small: it gives shape to what no contour is near to. It is the same
-//!   physical weight on every level;
+//!   physical weight on the levels that are solved on the whole box, and 0 on the
+//!   others, whose band lies near the surface;
 //! - beyond a closed box f is −d (for *outside* d); at an open one the boundary is
 //!   natural: the sum over the Hessian ends there.
 //!
@@ -30,25 +31,34 @@
 //! The same energy smooths a surface that another method made ([`smoothing`]).
 //!
 //! ```text
-//! outline, plane_samples ─► label_field: level ─► system ─► backend (cpu) ─► level … ─► assembly ─► Samples
+//! outline, plane_samples ─► label_field: level ─► system ─► backend ─► level … ─► assembly ─► Samples
 //! ```
 
 mod anchor;
 mod assembly;
 mod backend;
 mod cpu;
+mod gpu;
 mod label_field;
 mod level;
 mod outline;
 mod plane_samples;
 mod segments;
 pub mod smoothing;
+mod specks;
 mod stencil;
 mod system;
+mod trial;
+
+#[cfg(test)]
+mod contract;
+#[cfg(test)]
+mod reference;
 
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::field::{Adapter, Device};
 use crate::grid::lattice::Resolution;
 use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
@@ -59,8 +69,12 @@ use crate::section::Section;
 
 use backend::Backend;
 use cpu::Cpu;
+use gpu::Gpu;
 use label_field::{LabelField, Scene};
 use plane_samples::plane_samples;
+use specks::remove_specks;
+
+pub use trial::{Rate, Trial};
 
 /// Voxels on the longest side of the box on which all of it is solved for.
 const WHOLE_VOXELS: f64 = 48.0;
@@ -68,6 +82,10 @@ const WHOLE_VOXELS: f64 = 48.0;
 const UNIT_VOXELS: f64 = 96.0;
 /// Nodes there are to be at least then, in a box that is long.
 const WHOLE_NODES: f64 = 45_000.0;
+/// Systems with fewer unknowns stay on the CPU when the device is chosen
+/// automatically: its threads are done with an iteration in about the time that a GPU
+/// takes to begin the five dispatches of one.
+const FEW_UNKNOWNS: u64 = 50_000;
 /// The next finer level has voxels smaller by this factor at least.
 const STEP: f64 = 1.3;
 
@@ -76,14 +94,11 @@ const STEP: f64 = 1.3;
 pub struct Weights {
     /// The weight w of the soft values with 96 voxels on the box's longest side.
     pub soft: f64,
-    /// How often the soft values are set anew, to the distances to the surface that
-    /// was found, on the coarse levels.
-    pub retargets: u32,
 }
 
 impl Default for Weights {
     fn default() -> Self {
-        Self { soft: 0.01, retargets: 2 }
+        Self { soft: 0.03 }
     }
 }
 
@@ -91,11 +106,6 @@ impl Weights {
     /// w on a level; `unit` are the voxels it is given for.
     fn soft_weight(&self, voxel: f64, unit: f64) -> f32 {
         (self.soft * (voxel / unit).powi(3)) as f32
-    }
-
-    /// The smallest voxels on which there are soft values.
-    fn soft_voxel(&self, unit: f64) -> f64 {
-        0.7 * unit
     }
 }
 
@@ -122,6 +132,8 @@ pub struct Solved {
     pub samples: Samples,
     /// What it took.
     pub effort: Effort,
+    /// Pieces and bubbles that no section speaks for, and that were removed.
+    pub specks: u64,
     /// What it was solved on, for people to read.
     pub device: String,
 }
@@ -129,7 +141,7 @@ pub struct Solved {
 /// The samples of the variational field.
 ///
 /// # Errors
-/// When a backend fails.
+/// [`Error::Device`] when a GPU is asked for and none works.
 pub fn variational(
     sections: &[Section],
     bounds: Bounds,
@@ -137,27 +149,19 @@ pub fn variational(
     method: &Variational,
     progress: &dyn Progress,
 ) -> Result<Solved> {
+    let backend = backend(method.device)?;
     let (lattices, whole) = lattices(bounds, lattice)?;
-    let backend = Cpu::new();
-    let everywhere = |lattice: &Lattice| plane_samples(sections, bounds, lattice.voxel, |_| true);
-    let scene = Scene {
-        sections,
-        bounds,
-        is_open: method.border == Label::UNKNOWN,
-        samples: lattices[..whole].iter().map(everywhere).collect(),
-        lattices: &lattices,
-        whole,
-        unit: bounds.size().max_element() / UNIT_VOXELS,
-        weights: &method.weights,
-        original: None,
-        backend: &backend,
-    };
-    let (samples, effort) = solve(&scene, "field", progress)?;
-    Ok(Solved { samples, effort, device: backend.name() })
+    let scene = scene(sections, bounds, &lattices, whole, method, backend.as_ref());
+    let (samples, effort, specks) = solve(&scene, "field", progress)?;
+    Ok(Solved { samples, effort, specks, device: backend.name() })
 }
 
-/// Solves for all labels.
-fn solve(scene: &Scene, stage: &'static str, progress: &dyn Progress) -> Result<(Samples, Effort)> {
+/// Solves for all labels and removes specks; how many, comes last.
+fn solve(
+    scene: &Scene,
+    stage: &'static str,
+    progress: &dyn Progress,
+) -> Result<(Samples, Effort, u64)> {
     let labels = labels(scene.sections);
     progress.begin(stage, labels.len() as u64);
     let fields: Vec<LabelField> = labels
@@ -173,7 +177,45 @@ fn solve(scene: &Scene, stage: &'static str, progress: &dyn Progress) -> Result<
         effort.unknowns += field.effort.unknowns;
         effort.updates += field.effort.updates;
     }
-    Ok((assembly::assemble(fields, scene), effort))
+    let mut samples = assembly::assemble(fields, scene);
+    let specks = remove_specks(&mut samples, scene.sections, scene.bounds) as u64;
+    Ok((samples, effort, specks))
+}
+
+/// What a device stands for.
+fn backend(device: Device) -> Result<Box<dyn Backend>> {
+    match device {
+        Device::Cpu => Ok(Box::new(Cpu::new())),
+        Device::Gpu => Ok(Box::new(Gpu::new(Adapter::Any)?)),
+        Device::Auto => match Gpu::new(Adapter::Hardware) {
+            Ok(gpu) => Ok(Box::new(gpu.sparing(FEW_UNKNOWNS))),
+            Err(Error::Device(_)) => backend(Device::Cpu),
+            Err(other) => Err(other),
+        },
+    }
+}
+
+fn scene<'a>(
+    sections: &'a [Section],
+    bounds: Bounds,
+    lattices: &'a [Lattice],
+    whole: usize,
+    method: &'a Variational,
+    backend: &'a dyn Backend,
+) -> Scene<'a> {
+    let everywhere = |lattice: &Lattice| plane_samples(sections, bounds, lattice.voxel, |_| true);
+    Scene {
+        sections,
+        bounds,
+        is_open: method.border == Label::UNKNOWN,
+        samples: lattices[..whole].iter().map(everywhere).collect(),
+        lattices,
+        whole,
+        unit: bounds.size().max_element() / UNIT_VOXELS,
+        weights: &method.weights,
+        original: None,
+        backend,
+    }
 }
 
 /// The labels that get a field: with a single material that one alone, since the

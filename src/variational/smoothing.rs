@@ -21,8 +21,10 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::grid::evidence::Evidence;
-use crate::grid::samples::{Lattice, Samples};
+use crate::grid::samples::Samples;
+use crate::label::Label;
 use crate::mesh::{Mesh, dual};
+use crate::method::Variational;
 use crate::plane::Bounds;
 use crate::progress::{Progress, Silent};
 use crate::section::Section;
@@ -30,8 +32,7 @@ use crate::section::Section;
 use super::anchor::Original;
 use super::cpu::Cpu;
 use super::label_field::Scene;
-use super::plane_samples::plane_samples;
-use super::{Effort, UNIT_VOXELS, Weights, lattices, solve};
+use super::{Effort, lattices, scene, solve};
 
 /// Points of the surface whose distance to the sections is taken, about.
 const POINTS: usize = 20_000;
@@ -72,25 +73,16 @@ fn smoothed_mesh(
     progress: &dyn Progress,
 ) -> Result<(Samples, Effort)> {
     let (lattices, whole) = lattices(bounds, &samples.lattice)?;
-    let everywhere = |lattice: &Lattice| plane_samples(sections, bounds, lattice.voxel, |_| true);
+    let border = if samples.open.is_some() { Label::UNKNOWN } else { Label::OUTSIDE };
+    let method = Variational { border, ..Variational::default() };
+    let original = Original { mesh, open: samples.open, length, finest: samples.lattice.voxel };
+    let backend = Cpu::new();
     let scene = Scene {
-        sections,
-        bounds,
-        is_open: samples.open.is_some(),
-        samples: lattices[..whole].iter().map(everywhere).collect(),
-        lattices: &lattices,
-        whole,
-        unit: bounds.size().max_element() / UNIT_VOXELS,
-        weights: &Weights { retargets: 0, ..Weights::default() },
-        original: Some(Original {
-            mesh,
-            open: samples.open,
-            length,
-            finest: samples.lattice.voxel,
-        }),
-        backend: &Cpu::new(),
+        original: Some(original),
+        ..scene(sections, bounds, &lattices, whole, &method, &backend)
     };
-    solve(&scene, "smoothing", progress)
+    let (samples, effort, _) = solve(&scene, "smoothing", progress)?;
+    Ok((samples, effort))
 }
 
 /// How far sections are apart where the surface is, in world units: by the median

@@ -42,7 +42,7 @@ pub fn stencil_at_boundary(patch: &Patch, leaf: [i32; 3], domain: Domain, out: &
     let steps = [PATCH * PATCH, PATCH, 1];
     for (index, out) in out.iter_mut().enumerate() {
         let node = [index / 64, index / 8 % 8, index % 8];
-        let [x, y, z] = node.map(|along| along + REACH as usize);
+        let [x, y, z] = node.map(|along| along + REACH);
         let center = (x * PATCH + y) * PATCH + z;
         let at = |offset: isize| patch[center.wrapping_add_signed(offset)];
         let mut sum = 0.0;

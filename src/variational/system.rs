@@ -29,9 +29,9 @@ use crate::grid::samples::{LEAF_NODES, LEAF_SIDE};
 /// [`LEAF_SIDE`] for node indices.
 pub const SIDE: i32 = LEAF_SIDE as i32;
 /// Nodes that the stencil reaches beyond a leaf.
-pub const REACH: i32 = 2;
+pub const REACH: usize = 2;
 /// Nodes along each axis of a *patch*: a leaf with what its stencil reaches.
-pub const PATCH: usize = LEAF_SIDE + 2 * REACH as usize;
+pub const PATCH: usize = LEAF_SIDE + 2 * REACH;
 /// Nodes of a patch.
 pub const PATCH_NODES: usize = PATCH * PATCH * PATCH;
 /// From the first corner of a cell to all eight, in a patch.
@@ -154,7 +154,8 @@ impl System {
         self.domain.filter(|domain| {
             (0..3).any(|axis| {
                 let low = leaf[axis] * SIDE;
-                low - REACH < domain.low[axis] || low + SIDE + REACH > domain.high[axis]
+                low - (REACH as i32) < domain.low[axis]
+                    || low + SIDE + REACH as i32 > domain.high[axis]
             })
         })
     }
@@ -175,6 +176,18 @@ impl Index {
 
     fn of(&self, leaf: [i32; 3]) -> u32 {
         self.grid.slot(leaf)
+    }
+
+    /// The leaves that a pull bears on: those of its cell's corners, each once.
+    fn around(&self, pull: &Pull) -> [u32; 8] {
+        let low = pull.at.map(|along| along.floor() as i32);
+        let [low, high] = [leaf_of(low), leaf_of(low.map(|along| along + 1))];
+        std::array::from_fn(|corner| {
+            let step = [corner >> 2, corner >> 1 & 1, corner & 1];
+            let repeats = (0..3).any(|axis| step[axis] == 1 && high[axis] == low[axis]);
+            let leaf = std::array::from_fn(|axis| [low, high][step[axis]][axis]);
+            if repeats { NO_SLOT } else { self.of(leaf) }
+        })
     }
 }
 
@@ -198,41 +211,36 @@ fn free_nodes(leaf: [i32; 3], is_free: &impl Fn([i32; 3]) -> bool) -> [u64; 8] {
 /// Every pull with each leaf that it bears on, in the order of the leaves, and
 /// where each leaf's begin.
 fn sorted_samples(leaves: usize, index: &Index, pulls: &[Pull]) -> (Vec<Sample>, Vec<u32>) {
-    let bearings = |pull: &Pull| {
-        let low = pull.at.map(|along| along.floor() as i32);
-        let high = leaf_of(low.map(|along| along + 1));
-        let low = leaf_of(low);
-        let range = move |axis: usize| low[axis]..=high[axis];
-        let leaves = range(0)
-            .flat_map(move |x| range(1).flat_map(move |y| range(2).map(move |z| [x, y, z])));
-        leaves.filter(|&leaf| index.of(leaf) != NO_SLOT).collect::<Vec<_>>()
-    };
-    let bearings: Vec<Vec<[i32; 3]>> = pulls.par_iter().map(bearings).collect();
+    let slots: Vec<[u32; 8]> = pulls.par_iter().map(|pull| index.around(pull)).collect();
     let mut starts = vec![0u32; leaves + 1];
-    for leaf in bearings.iter().flatten() {
-        starts[index.of(*leaf) as usize + 1] += 1;
+    for &slot in slots.as_flattened().iter().filter(|&&slot| slot != NO_SLOT) {
+        starts[slot as usize + 1] += 1;
     }
     for leaf in 0..leaves {
         starts[leaf + 1] += starts[leaf];
     }
     let mut next = starts.clone();
-    let mut samples = vec![Sample::zeroed(); starts[leaves] as usize];
-    for (pull, leaves) in pulls.iter().zip(&bearings) {
-        for &leaf in leaves {
-            let place = &mut next[index.of(leaf) as usize];
-            samples[*place as usize] = Sample::new(pull, leaf);
+    let mut order = vec![(0u32, 0u32); starts[leaves] as usize];
+    for (pull, slots) in slots.iter().enumerate() {
+        for &slot in slots.iter().filter(|&&slot| slot != NO_SLOT) {
+            let place = &mut next[slot as usize];
+            order[*place as usize] = (pull as u32, slot);
             *place += 1;
         }
     }
-    (samples, starts)
+    let sample = |&(pull, slot): &(u32, u32)| {
+        Sample::new(&pulls[pull as usize], index.grid.leaves()[slot as usize])
+    };
+    (order.par_iter().map(sample).collect(), starts)
 }
 
 impl Sample {
     fn new(pull: &Pull, leaf: [i32; 3]) -> Self {
         let low = pull.at.map(f64::floor);
         let place = std::array::from_fn(|axis| (pull.at[axis] - low[axis]) as f32);
-        let [x, y, z] =
-            std::array::from_fn(|axis| (low[axis] as i32 - leaf[axis] * SIDE + REACH) as usize);
+        let [x, y, z] = std::array::from_fn(|axis| {
+            (low[axis] as i32 - leaf[axis] * SIDE + REACH as i32) as usize
+        });
         let node = ((x * PATCH + y) * PATCH + z) as u32;
         Self { place, node, weight: pull.weight, target: pull.target }
     }

@@ -1,9 +1,9 @@
 //! Queries cut into dispatches.
 
-use super::device::Connection;
 use super::layout::{DeviceJob, DevicePoint};
 use crate::field::Queries;
 use crate::field::packing::PackedCell;
+use crate::gpu::Connection;
 
 /// Points of one workgroup: GROUP · POINTS of `shaders/field_types.wgsl`.
 const GROUP: usize = 256;

@@ -7,18 +7,15 @@
 //! zero after, and a few points of every batch are evaluated on the CPU too.
 
 use self::batch::{Batch, Limits, batches};
-use self::device::Connection;
 use self::layout::Tables;
 use super::cpu::{Cpu, indicator, value_count};
 use super::{Boundaries, Field, Queries};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::gpu::{Adapter, Connection};
 use crate::label::Label;
 
 mod batch;
-mod device;
 mod layout;
-
-pub use device::Adapter;
 
 /// The shader's parts in one module.
 const SHADER: &str = concat!(
@@ -42,7 +39,7 @@ impl Gpu {
     /// The field inside some boundaries.
     ///
     /// # Errors
-    /// As [`field::new`](super::new); [`Error::Device`] when there is no such
+    /// As [`field::new`](super::new); [`Error::Device`](crate::error::Error::Device) when there is no such
     /// adapter, or the boundaries do not fit into its memory.
     pub fn new(boundaries: &Boundaries, adapter: Adapter) -> Result<Self> {
         let cpu = Cpu::new(boundaries)?;
@@ -74,7 +71,7 @@ impl Gpu {
         let weights =
             self.connection.dispatch(&self.pipeline, &inputs, groups, batch.value_count)?;
         if let Err(total) = normalise(&weights, batch, values) {
-            return Err(self.garbage(&format!("an empty result (weights of {total})")));
+            return Err(self.connection.garbage(&format!("an empty result (weights of {total})")));
         }
         self.spot_check(queries, batch, values)
     }
@@ -96,14 +93,11 @@ impl Gpu {
             wrong +=
                 usize::from(found.iter().zip(&expected).any(|(f, e)| (f - e).abs() > TOLERANCE));
         }
-        if 2 * wrong > probes { Err(self.garbage("values unlike the CPU's")) } else { Ok(()) }
-    }
-
-    fn garbage(&self, what: &str) -> Error {
-        let name = self.adapter_name();
-        Error::Device(format!(
-            "{name} returned {what}; its driver may have ended the work early: use --device cpu"
-        ))
+        if 2 * wrong > probes {
+            Err(self.connection.garbage("values unlike the CPU's"))
+        } else {
+            Ok(())
+        }
     }
 }
 

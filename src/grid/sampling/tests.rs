@@ -179,7 +179,7 @@ fn contours_find_what_the_coarse_lattice_misses() {
         edges: (0..4).map(edge).collect(),
         background: Label::OUTSIDE,
     };
-    let edges: Vec<[DVec3; 2]> = segments(&section).collect();
+    let edges: Vec<[DVec3; 2]> = section.segments().collect();
     let Starts(starts) = Starts::along(&edges, &lattice);
     let sampler =
         Sampler { cells: &cells, field: &balls, lattice, margin: Margin(1), progress: &Silent };

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::*;
 use crate::check::shapes::disc;
 use crate::grid::distance::tests::sphere;
-use crate::grid::samples::{LEAF_NODES, LeafValues, Values};
+use crate::grid::samples::{LEAF_NODES, LeafValues};
 use crate::plane::Plane;
 
 /// A ball of label 7 in the middle of a lattice of 40 nodes a side.
@@ -48,7 +48,7 @@ impl Ball {
         let leaves = (0..125).filter(|&index| index != middle).map(leaf).collect();
         let mut tiles = vec![Label::OUTSIDE; 125];
         tiles[middle] = Label(7);
-        let samples = Samples { lattice, leaves, tiles, open: None, values: Values::default() };
+        let samples = Samples { lattice, leaves, tiles, open: None, values: Default::default() };
         let materials = vec![Material { id: 7, name: "Leber".to_owned(), color: [200, 16, 0] }];
         // A disc through the centre, normal to z.
         let plane = Plane { normal: DVec3::Z, offset: center.z };

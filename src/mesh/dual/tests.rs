@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::grid::samples::{Lattice, Values};
+use crate::grid::samples::Lattice;
 use crate::label::Label;
 use crate::mesh::shapes::{assert_edge_manifold, cylinder, open_samples, samples, solid};
 use crate::plane::Bounds;
@@ -136,7 +136,7 @@ fn tiles_without_values_close_the_surface() {
     let mut tiles = vec![Label::OUTSIDE; 27];
     tiles[13] = Label(3);
     let samples =
-        Samples { lattice, leaves: Vec::new(), tiles, open: None, values: Values::default() };
+        Samples { lattice, leaves: Vec::new(), tiles, open: None, values: Default::default() };
     let mesh = dual(&samples, &Silent).unwrap();
     assert_sound(&mesh);
     let volume = mesh.surface(Label(3)).volume();

@@ -6,7 +6,6 @@ use super::*;
 use crate::change::Change;
 use crate::check::shapes::{disc, section};
 use crate::grid::lattice::Resolution;
-use crate::label::Label;
 use crate::mesh::nearest::Nearest;
 use crate::mesh::shapes::assert_edge_manifold;
 use crate::method::{MeanValue, Method};

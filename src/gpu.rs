@@ -1,7 +1,9 @@
-//! The way to a GPU: choosing an adapter, and one dispatch at a time.
+//! The way to a GPU, for all that run on one: choosing an adapter, buffers and
+//! dispatches.
 
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 
+use bytemuck::Pod;
 use wgpu::{BufferUsages, DeviceType};
 
 use crate::error::{Error, Result};
@@ -18,7 +20,7 @@ pub enum Adapter {
 }
 
 /// An open device.
-pub(super) struct Connection {
+pub(crate) struct Connection {
     device: wgpu::Device,
     queue: wgpu::Queue,
     info: wgpu::AdapterInfo,
@@ -81,6 +83,14 @@ impl Connection {
         }
     }
 
+    /// The error for results that cannot be right.
+    pub fn garbage(&self, what: &str) -> Error {
+        let name = self.name();
+        Error::Device(format!(
+            "{name} returned {what}; its driver may have ended the work early: use --device cpu"
+        ))
+    }
+
     fn failed(&self, what: impl std::fmt::Display) -> Error {
         Error::Device(format!("{}: {what}; use --device cpu", self.info.name))
     }
@@ -103,23 +113,40 @@ impl Connection {
     /// A read-only storage buffer with some content.
     pub fn upload(&self, bytes: &[u8]) -> Result<wgpu::Buffer> {
         let size = bytes.len() as u64;
-        let limit = self.limits().max_storage_buffer_binding_size;
-        if size > limit {
-            return Err(self.failed(format_args!(
-                "a table of {} MiB is over its limit of {} MiB",
-                size >> 20,
-                limit >> 20
-            )));
-        }
+        self.require_room(size)?;
         let buffer = self.buffer(size, BufferUsages::STORAGE | BufferUsages::COPY_DST);
-        self.queue.write_buffer(&buffer, 0, bytes);
+        self.write(&buffer, bytes);
         Ok(buffer)
     }
 
-    fn buffer(&self, size: u64, usage: BufferUsages) -> wgpu::Buffer {
+    /// Whether one binding can have so many bytes.
+    pub fn require_room(&self, size: u64) -> Result<()> {
+        let limit = self.limits().max_storage_buffer_binding_size;
+        if size <= limit {
+            return Ok(());
+        }
+        let (size, limit) = (size >> 20, limit >> 20);
+        Err(self.failed(format_args!("a table of {size} MiB is over its limit of {limit} MiB")))
+    }
+
+    pub fn buffer(&self, size: u64, usage: BufferUsages) -> wgpu::Buffer {
         let descriptor =
             wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
         self.device.create_buffer(&descriptor)
+    }
+
+    /// Before all that is submitted later.
+    pub fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) {
+        self.queue.write_buffer(buffer, 0, bytes);
+    }
+
+    pub fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&Default::default())
+    }
+
+    pub fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
+        self.queue.submit([encoder.finish()]);
+        self.check()
     }
 
     /// Runs a pipeline whose bindings are `inputs` and then a buffer of
@@ -135,9 +162,10 @@ impl Connection {
         let output = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let values = self.buffer(size, output);
         let readable = self.buffer(size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
-        let bindings = self.bindings(pipeline, inputs.iter().copied().chain([&values]));
+        let buffers = (0..).zip(inputs.iter().copied().chain([&values]));
+        let bindings = self.bindings(pipeline, buffers);
 
-        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let mut encoder = self.encoder();
         encoder.clear_buffer(&values, 0, None);
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(pipeline);
@@ -145,19 +173,18 @@ impl Connection {
         pass.dispatch_workgroups(groups, 1, 1);
         drop(pass);
         encoder.copy_buffer_to_buffer(&values, 0, &readable, 0, size);
-        self.queue.submit([encoder.finish()]);
-        self.check()?;
-        self.read(&readable)
+        self.submit(encoder)?;
+        self.read(&readable, size)
     }
 
-    fn bindings<'a>(
+    /// Buffers for a pipeline, each with the number of its binding.
+    pub fn bindings<'a>(
         &self,
         pipeline: &wgpu::ComputePipeline,
-        buffers: impl Iterator<Item = &'a wgpu::Buffer>,
+        buffers: impl Iterator<Item = (u32, &'a wgpu::Buffer)>,
     ) -> wgpu::BindGroup {
         let entries: Vec<_> = buffers
-            .zip(0..)
-            .map(|(buffer, binding)| wgpu::BindGroupEntry {
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
                 binding,
                 resource: buffer.as_entire_binding(),
             })
@@ -169,10 +196,10 @@ impl Connection {
         })
     }
 
-    /// Waits for all work and copies a buffer out.
-    fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<f32>> {
+    /// Waits for all work and copies the first bytes of a buffer out.
+    pub fn read<T: Pod>(&self, buffer: &wgpu::Buffer, size: u64) -> Result<Vec<T>> {
         let (sender, receiver) = mpsc::channel();
-        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        buffer.map_async(wgpu::MapMode::Read, ..size, move |result| {
             // Nobody listens once polling has failed.
             let _ = sender.send(result);
         });
@@ -181,8 +208,11 @@ impl Connection {
             .map_err(|error| self.failed(error))?;
         self.check()?;
         receiver.recv().map_err(|error| self.failed(error))?.map_err(|error| self.failed(error))?;
-        let view = buffer.get_mapped_range(..).map_err(|error| self.failed(error))?;
-        Ok(bytemuck::pod_collect_to_vec(&view))
+        let view = buffer.get_mapped_range(..size).map_err(|error| self.failed(error))?;
+        let values = bytemuck::pod_collect_to_vec(&view);
+        drop(view);
+        buffer.unmap();
+        Ok(values)
     }
 }
 

@@ -1,0 +1,206 @@
+//! Pieces and bubbles that no section speaks for: nowhere in them does a section say
+//! their label, and no contour passes them. They are where the smoothest field
+//! happens to swing across zero, and become what is around them.
+
+use glam::DVec3;
+
+use crate::grid::contour::{corners, pierced_voxels, segments};
+use crate::grid::labels::{LabelGrid, node_in_leaf};
+use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
+use crate::grid::runs::{Neighbors, Run, Runs};
+use crate::grid::samples::{LEAF_SIDE, Leaf, Samples};
+use crate::label::Label;
+use crate::plane::Bounds;
+use crate::section::Section;
+
+use super::plane_samples::plane_samples;
+
+/// Samples of sections are so far apart, in voxels.
+const SPACING: f64 = 0.5;
+
+/// Removes them; returns how many there were. Such as reach into leaves without
+/// values stay.
+pub fn remove_specks(samples: &mut Samples, sections: &[Section], bounds: Bounds) -> usize {
+    let mut parts = Parts::new(LabelGrid::new(samples));
+    parts.keep_what_has_no_values();
+    parts.keep_what_sections_say(sections, bounds);
+    for (number, run) in parts.runs.runs.iter().enumerate() {
+        if !parts.stays[parts.of_run[number] as usize] {
+            parts.nodes(number).for_each(|node| yield_node(samples, node, run.label));
+        }
+    }
+    parts.stays.iter().filter(|stays| !**stays).count()
+}
+
+/// The connected parts of all labels.
+struct Parts {
+    labels: LabelGrid,
+    runs: Runs<Label>,
+    /// The part of each run.
+    of_run: Vec<u32>,
+    /// Of each part whether it stays.
+    stays: Vec<bool>,
+}
+
+impl Parts {
+    fn new(labels: LabelGrid) -> Self {
+        let [x, y, _] = labels.lattice.dims.map(|nodes| nodes as usize);
+        let runs = Runs::new([x, y], |row, runs| add_runs(&labels, row, runs));
+        let of_run = runs.parts(Neighbors::Six);
+        let count = of_run.iter().max().map_or(0, |&last| last as usize + 1);
+        Self { labels, runs, of_run, stays: vec![false; count] }
+    }
+
+    fn nodes(&self, run: usize) -> impl Iterator<Item = [i32; 3]> + use<> {
+        let [x, y] = self.runs.row_of(run).map(|at| at as i32);
+        let Run { start, end, .. } = self.runs.runs[run];
+        (start..end).map(move |z| [x, y, z])
+    }
+
+    fn is_tile(&self, node: [i32; 3]) -> bool {
+        self.labels.tile(self.labels.lattice.leaf_index(node_in_leaf(node).0)).is_some()
+    }
+
+    fn keep_what_has_no_values(&mut self) {
+        for run in 0..self.runs.runs.len() {
+            let part = self.of_run[run] as usize;
+            self.stays[part] = self.stays[part] || self.nodes(run).any(|node| self.is_tile(node));
+        }
+    }
+
+    /// Looks where parts may go, which is rarely anywhere.
+    fn keep_what_sections_say(&mut self, sections: &[Section], bounds: Bounds) {
+        let lattice = self.labels.lattice;
+        let mut doubtful = LeafSet::new(&LeafGrid::new([0; 3], lattice.dims));
+        for run in 0..self.runs.runs.len() {
+            if !self.stays[self.of_run[run] as usize] {
+                self.nodes(run).for_each(|node| {
+                    doubtful.insert(node_in_leaf(node).0);
+                });
+            }
+        }
+        let place = |at: DVec3| (at - lattice.origin) / lattice.voxel;
+        let wanted = |at: DVec3| doubtful.has(leaf_of(place(at).round().as_ivec3().to_array()));
+        for sample in plane_samples(sections, bounds, SPACING * lattice.voxel, wanted) {
+            let node = place(sample.at).round().as_ivec3().to_array();
+            self.keep(node, Some(sample.label));
+        }
+        let edges: Vec<[DVec3; 2]> = sections.iter().flat_map(segments).collect();
+        for node in pierced_voxels(&edges, &lattice).into_iter().flat_map(corners) {
+            if doubtful.has(leaf_of(node)) {
+                self.keep(node, None);
+            }
+        }
+    }
+
+    /// Keeps the part of a node, where it has this label.
+    fn keep(&mut self, node: [i32; 3], label: Option<Label>) {
+        let dims = self.labels.lattice.dims;
+        if (0..3).any(|axis| !(0..dims[axis]).contains(&node[axis])) {
+            return;
+        }
+        let row = self.runs.row(node[0] as usize * self.runs.dims[1] + node[1] as usize);
+        let place = self.runs.runs[row.clone()].partition_point(|run| run.end <= node[2]);
+        let run = row.start + place;
+        if label.is_none_or(|label| self.runs.runs[run].label == label) {
+            self.stays[self.of_run[run] as usize] = true;
+        }
+    }
+}
+
+/// The runs of a row, of all labels.
+fn add_runs(labels: &LabelGrid, [x, y]: [usize; 2], runs: &mut Vec<Run<Label>>) {
+    let (first, end) = (runs.len(), labels.lattice.dims[2]);
+    let mut add = |start: i32, after: i32, label: Label| match runs[first..].last() {
+        Some(last) if last.label == label => {
+            let last = runs.len() - 1;
+            runs[last].end = after;
+        }
+        _ => runs.push(Run { start, end: after, label }),
+    };
+    let side = LEAF_SIDE as i32;
+    for start in (0..end).step_by(LEAF_SIDE) {
+        let node = [x as i32, y as i32, start];
+        let leaf = labels.lattice.leaf_index(node_in_leaf(node).0);
+        if let Some(label) = labels.tile(leaf) {
+            add(start, end.min(start + side), label);
+            continue;
+        }
+        for z in start..end.min(start + side) {
+            add(z, z + 1, labels.at([node[0], node[1], z]));
+        }
+    }
+}
+
+/// Gives a node to the label that comes next there.
+fn yield_node(samples: &mut Samples, node: [i32; 3], label: Label) {
+    let (at, index) = node_in_leaf(node);
+    let Ok(place) = samples.leaves.binary_search_by_key(&at, |leaf| leaf.at) else { return };
+    let Leaf { materials, .. } = &mut samples.leaves[place];
+    let own = materials.iter().position(|one| one.label == label);
+    let others = materials.iter().enumerate().filter(|(_, one)| one.label != label);
+    let next = others.max_by(|a, b| a.1.values[index].total_cmp(&b.1.values[index]));
+    match (own, next.map(|(next, _)| next)) {
+        (Some(own), Some(next)) => {
+            let [a, b] = [own, next].map(|one| materials[one].values[index]);
+            (materials[own].values[index], materials[next].values[index]) = (b, a);
+        }
+        // Beside a single material *outside* is implied.
+        (Some(one), None) | (None, Some(one)) => {
+            let value = &mut materials[one].values[index];
+            *value = -*value;
+        }
+        (None, None) => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::check::shapes::disc;
+    use crate::grid::samples::{Lattice, Values};
+    use crate::mesh::dual;
+    use crate::mesh::shapes::samples;
+    use crate::plane::Plane;
+    use crate::progress::Silent;
+
+    /// A ball around the origin with a bubble in it at z = 0.3, and a small ball at
+    /// x = 0.7; label 1.
+    fn balls() -> Samples {
+        let lattice = Lattice { origin: DVec3::splat(-1.0), voxel: 0.04, dims: [51; 3] };
+        let mut samples = samples(lattice, |node| {
+            let at = lattice.position(node);
+            let ball = |center: DVec3, radius: f64| (radius - at.distance(center)) / 0.04;
+            let bubble = ball(0.3 * DVec3::Z, 0.1);
+            let large = ball(DVec3::ZERO, 0.5).min(-bubble);
+            vec![large.max(ball(0.7 * DVec3::X, 0.1)) as f32]
+        });
+        samples.values = Values::Distances;
+        samples
+    }
+
+    #[test]
+    fn only_what_a_section_says_stays() {
+        let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+        let section = |offset: f64, normal: DVec3, radius: f64| {
+            disc(Plane { normal, offset }, radius, 60, Label(1))
+        };
+        let components = |sections: &[Section]| {
+            let mut samples = balls();
+            let removed = remove_specks(&mut samples, sections, bounds);
+            samples.sanity_check().unwrap();
+            let surface = dual(&samples, &Silent).unwrap().surface(Label(1));
+            (removed, surface.facts(false).unwrap().components)
+        };
+        // At z = 0 through both balls, but material only within 0.4: the small ball, at
+        // 0.6 to 0.8, is denied, and nothing speaks for the bubble.
+        assert_eq!(components(&[section(0.0, DVec3::Z, 0.4)]), (2, 1));
+        // Material within 0.9: the small ball stays.
+        assert_eq!(components(&[section(0.0, DVec3::Z, 0.9)]), (1, 2));
+        // A contour at z = 0.3 passes the bubble's border, so it stays.
+        let ring = section(0.3, DVec3::Z, 0.1);
+        assert_eq!(components(&[section(0.0, DVec3::Z, 0.9), ring]), (0, 3));
+    }
+}
