@@ -40,8 +40,10 @@ pub struct Variational {
 /// The mean-value indicator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanValue {
-    /// Steps of bi-Laplacian smoothing (Bermano §4.6).
-    pub smooth: u32,
+    /// How much ripples between the sections are smoothed away (Bermano §4.6): the
+    /// length below which differences vanish, in typical distances between
+    /// sections. 0 leaves the field as it is.
+    pub smooth: f64,
     /// As in [`Variational`].
     pub border: Label,
     /// Where the field is evaluated.
@@ -96,7 +98,7 @@ impl Default for Variational {
 impl Default for MeanValue {
     fn default() -> Self {
         let (border, device, mesher) = (Label::OUTSIDE, Device::Auto, Mesher::Dual);
-        Self { smooth: 4, border, device, spacing: None, mesher }
+        Self { smooth: 1.0, border, device, spacing: None, mesher }
     }
 }
 

@@ -11,7 +11,6 @@ use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_memory;
 use crate::grid::samples::{Lattice, Samples};
 use crate::grid::sampling::{Margin, Starts, sample};
-use crate::grid::smoothing::{SMOOTHING_MARGIN, smoothed};
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::delaunay::delaunay;
@@ -24,6 +23,7 @@ use crate::progress::Progress;
 use crate::section::{Rules, Section, Sections};
 use crate::skeleton::{Details, skeleton};
 use crate::stage::Stages;
+use crate::variational::smoothing::smoothed;
 use crate::variational::variational;
 
 /// How near to a plane the field is told from its limit, in voxels: nearer
@@ -207,18 +207,18 @@ impl Ground<'_> {
         })?;
         let (samples, device) = stages.run("field", |counts| {
             let field = field::new(&boundaries, method.device)?;
-            let margin = if method.smooth > 0 { SMOOTHING_MARGIN } else { Margin(1) };
             let starts = Starts::new(sections, boundaries.completion(), lattice);
             let sampling =
-                sample(&arrangement, field.as_ref(), &starts, lattice, margin, progress)?;
+                sample(&arrangement, field.as_ref(), &starts, lattice, Margin(1), progress)?;
             counts.insert("leaves".into(), sampling.samples.leaves.len() as u64);
             counts.insert("evaluations".into(), sampling.points);
             Ok((sampling.samples, field.name()))
         })?;
         let samples = stages.run("smoothing", |counts| {
-            progress.begin("smoothing", 0);
-            counts.insert("steps".into(), method.smooth.into());
-            smoothed(samples, sections, *bounds, method.smooth)
+            let (samples, effort) = smoothed(samples, sections, *bounds, method.smooth, progress)?;
+            counts.insert("unknowns".into(), effort.unknowns);
+            counts.insert("updates".into(), effort.updates);
+            Ok(samples)
         })?;
         let mesh = mesh(&samples, &method.mesher, stages, progress)?;
         Ok(Derived { arrangement: Some(arrangement), samples, mesh, device, exact: None })

@@ -10,14 +10,14 @@ use transect::field::{self, Boundaries, Device};
 use transect::grid::lattice::Resolution;
 use transect::grid::memory::estimate_memory;
 use transect::grid::samples::{Lattice, Leaf};
-use transect::grid::sampling::{Starts, sample};
-use transect::grid::smoothing::{SMOOTHING_MARGIN, smoothed};
+use transect::grid::sampling::{Margin, Starts, sample};
 use transect::io::read_sections;
 use transect::io::vdb::{GridName, VdbContents, VdbFile, write};
 use transect::label::Label;
 use transect::mesh::dual;
 use transect::progress::Silent;
 use transect::section::Rules;
+use transect::variational::smoothing::smoothed;
 
 /// Seconds since the last call, on standard error.
 struct Clock(Instant);
@@ -49,7 +49,7 @@ fn reconstructs(name: &str, voxels: u32) {
     let list = &sections.sections;
     let starts = Starts::new(list, boundaries.completion(), &lattice);
     let sampling =
-        sample(&arrangement, field.as_ref(), &starts, &lattice, SMOOTHING_MARGIN, &Silent).unwrap();
+        sample(&arrangement, field.as_ref(), &starts, &lattice, Margin(1), &Silent).unwrap();
     let (leaves, points) = (sampling.samples.leaves.len(), sampling.points);
     clock.lap(&format!(
         "sampling: {leaves} leaves, {points} points, estimate {} MB",
@@ -57,7 +57,7 @@ fn reconstructs(name: &str, voxels: u32) {
     ));
     sampling.samples.sanity_check().unwrap();
     clock.lap("checking");
-    let samples = smoothed(sampling.samples, list, bounds, 4).unwrap();
+    let (samples, _) = smoothed(sampling.samples, list, bounds, 1.0, &Silent).unwrap();
     clock.lap("smoothing");
     samples.sanity_check().unwrap();
     clock.lap("checking");

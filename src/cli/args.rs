@@ -52,9 +52,9 @@ pub struct ReconstructArguments {
     pub method: MethodName,
     #[command(flatten)]
     pub grid: GridArguments,
-    /// With --method mvc: steps of bi-Laplacian smoothing, contours fixed [default: 4]
-    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(..=1000))]
-    pub smooth: Option<u32>,
+    /// With --method mvc: how much ripples between sections are smoothed away, contours fixed: up to this many typical distances between sections; 0 keeps them [default: 1]
+    #[arg(long, value_name = "STRENGTH", value_parser = strength)]
+    pub smooth: Option<f64>,
     /// With --method mvc: how finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
     #[arg(long, value_name = "H", value_parser = positive)]
     pub spacing: Option<f64>,
@@ -423,6 +423,13 @@ fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("a positive number is needed".to_owned()),
+    }
+}
+
+fn strength(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (0.0..=100.0).contains(&number) => Ok(number),
+        _ => Err("a number from 0 to 100 is needed".to_owned()),
     }
 }
 

@@ -147,7 +147,7 @@ pub fn crosscheck(
 /// The field as it is: not smoothed, and meshed by dual contouring.
 fn model_options(options: &Options) -> model::Options {
     let Options { resolution, device, border, spacing, .. } = *options;
-    let method = MeanValue { smooth: 0, border, device, spacing, mesher: Mesher::Dual };
+    let method = MeanValue { smooth: 0.0, border, device, spacing, mesher: Mesher::Dual };
     model::Options { method: Method::MeanValue(method), resolution }
 }
 

@@ -4,7 +4,6 @@
 pub mod arrangement;
 pub mod delaunay;
 pub mod fairing;
-pub mod grid;
 pub mod measure;
 pub mod partition;
 pub mod skeleton;

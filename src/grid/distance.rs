@@ -32,16 +32,55 @@ pub struct NarrowBand {
 
 /// The band around a closed mesh, on the nodes of a lattice.
 pub fn narrow_band(lattice: &Lattice, vertices: &[DVec3], triangles: &[[u32; 3]]) -> NarrowBand {
-    let vertices: Vec<DVec3> =
-        vertices.par_iter().map(|&vertex| (vertex - lattice.origin) / lattice.voxel).collect();
+    band_around(lattice, vertices, triangles, triangles)
+}
+
+/// The band around a part of a closed mesh: distances are those to its triangles
+/// `near`, signs say what is inside of the whole.
+pub fn band_around(
+    lattice: &Lattice,
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+    near: &[[u32; 3]],
+) -> NarrowBand {
+    let vertices = in_voxels(lattice, vertices);
     let columns = Columns::new(&vertices, triangles);
-    let bins = Bins::new(&vertices, triangles);
+    let bins = Bins::new(&vertices, near);
     let leaf = |at| band_leaf(&bins, &columns, at).map(|values| (at, values));
     let found: Vec<([i32; 3], Vec<f32>)> =
         bins.neighborhood().into_par_iter().filter_map(leaf).collect();
     let leaves = found.iter().map(|(at, _)| *at).collect();
     let values = found.into_iter().flat_map(|(_, values)| values).collect();
     NarrowBand { leaves, values }
+}
+
+fn in_voxels(lattice: &Lattice, vertices: &[DVec3]) -> Vec<DVec3> {
+    vertices.par_iter().map(|&vertex| (vertex - lattice.origin) / lattice.voxel).collect()
+}
+
+/// For every node of some leaves, [`LEAF_SIDE`]³ a leaf, whether it is inside of a
+/// closed mesh.
+pub fn inside(
+    lattice: &Lattice,
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+    leaves: &[[i32; 3]],
+) -> Vec<bool> {
+    let columns = Columns::new(&in_voxels(lattice, vertices), triangles);
+    let of_leaf = |&at: &[i32; 3]| {
+        let mut nodes = [[false; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE];
+        fill(&columns, at, &mut nodes);
+        nodes.into_iter().flatten()
+    };
+    leaves.par_iter().flat_map_iter(of_leaf).collect()
+}
+
+/// Which nodes of a leaf are inside, row by row.
+fn fill(columns: &Columns, at: [i32; 3], nodes: &mut [[bool; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE]) {
+    for (row, nodes) in nodes.iter_mut().enumerate() {
+        let [x, y] = [row / LEAF_SIDE, row % LEAF_SIDE].map(|offset| offset as i32);
+        columns.fill([at[0] * SIDE + x, at[1] * SIDE + y], at[2] * SIDE, nodes);
+    }
 }
 
 /// The values of a leaf, unless none is in the band.
@@ -55,13 +94,10 @@ fn band_leaf(bins: &Bins, columns: &Columns, at: [i32; 3]) -> Option<Vec<f32>> {
         return None;
     }
     let mut values: Vec<f32> = squares.as_flattened().iter().map(|square| square.sqrt()).collect();
-    for (row, values) in values.chunks_exact_mut(LEAF_SIDE).enumerate() {
-        let [x, y] = [row / LEAF_SIDE, row % LEAF_SIDE].map(|offset| offset as i32);
-        let mut inside = [false; LEAF_SIDE];
-        columns.fill([at[0] * SIDE + x, at[1] * SIDE + y], at[2] * SIDE, &mut inside);
-        for (value, _) in values.iter_mut().zip(inside).filter(|(_, inside)| *inside) {
-            *value = -*value;
-        }
+    let mut inside = [[false; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE];
+    fill(columns, at, &mut inside);
+    for (value, _) in values.iter_mut().zip(inside.as_flattened()).filter(|(_, inside)| **inside) {
+        *value = -*value;
     }
     Some(values)
 }

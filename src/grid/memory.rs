@@ -14,7 +14,7 @@ const BYTES_PER_TILE: u64 = 5;
 /// Besides its values, what a leaf brings along in the stages that follow:
 /// the mesh with its connectivity and the level set.
 const BYTES_PER_LEAF: u64 = 24 << 10;
-/// Copies of a leaf's values: sampled, in the tree, and being smoothed.
+/// Copies of a leaf's values: sampled, being smoothed, and smoothed.
 const COPIES: u64 = 3;
 /// Leaves that a surface takes for each leaf face of its area. A plane of any
 /// direction cuts 1.5 cubes per unit of area on average; following it takes

@@ -1,8 +1,8 @@
 //! The grid: the field sampled sparsely in an OpenVDB tree.
 //!
 //! ```text
-//! lattice ─► contour (voxels that contours pass) ─► sampling ─► samples ─► smoothing ─► samples
-//!                                                                mesh ─► distance (level sets)
+//! lattice ─► contour (voxels that contours pass) ─► sampling ─► samples
+//!                                                  mesh ─► distance (level sets)
 //! ```
 
 pub mod contour;
@@ -17,7 +17,6 @@ pub mod memory;
 pub(crate) mod runs;
 pub mod samples;
 pub mod sampling;
-pub mod smoothing;
 mod winding;
 
 pub use locate::Cells;

@@ -30,8 +30,8 @@ const COARSE: i32 = SIDE / 2;
 /// [`LEAF_SIDE`] for node indices.
 const SIDE: i32 = LEAF_SIDE as i32;
 
-/// How far the surface keeps from leaves without values, in nodes: one is
-/// enough to close it, smoothing moves it and looks at neighbours' neighbours.
+/// How far the surface keeps from leaves without values, in nodes: one is enough
+/// to close it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Margin(pub usize);
 

@@ -36,7 +36,8 @@ impl Nearest {
         Self::new(&mesh.vertices, &corners).map(Some)
     }
 
-    fn new(vertices: &[DVec3], corners: &[u32]) -> Result<Self> {
+    /// Of triangles, three corners each; without area they are an error.
+    pub(crate) fn new(vertices: &[DVec3], corners: &[u32]) -> Result<Self> {
         let tree = measure::new_tree(&flat(vertices), corners)
             .map_err(|exception| Error::library("distance", &exception))?;
         Ok(Self { tree })

@@ -241,6 +241,8 @@ fn parts(value: f64) -> (i64, i32) {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     fn plane(normal: [f64; 3], offset: f64) -> Plane {

@@ -10,7 +10,8 @@ use crate::grid::samples::{LEAF_NODES, LEAF_SIDE};
 
 use super::backend::{Backend, Correction, Limits};
 use super::stencil::{
-    Nodes, Patch, add_sample_diagonal, add_samples, stencil, stencil_at_boundary, stencil_diagonal,
+    Nodes, Patch, add_anchors, add_sample_diagonal, add_samples, stencil, stencil_at_boundary,
+    stencil_diagonal,
 };
 use super::system::{PATCH, PATCH_NODES, REACH, SIDE, System};
 
@@ -73,6 +74,10 @@ fn apply(system: &System, leaf: usize, values: &[f32], out: &mut Nodes) -> f64 {
         Some(domain) => stencil_at_boundary(&patch, system.leaves[leaf], domain, out),
     }
     add_samples(&patch, system.samples_of(leaf), |sample, value| sample.weight * value, out);
+    if let Some(anchors) = &system.anchors {
+        let [weights, _] = anchors.of(leaf);
+        add_anchors(&patch, |node, value| weights[node] * value, out);
+    }
     keep_free(&system.free[leaf], out);
     dot(&values.as_chunks::<LEAF_NODES>().0[leaf], out)
 }
@@ -142,6 +147,10 @@ pub fn residual(system: &System, grid: &LeafGrid) -> Vec<f32> {
         }
         let samples = system.samples_of(leaf);
         add_samples(&patch, samples, |one, value| one.weight * (value - one.target), out);
+        if let Some(anchors) = &system.anchors {
+            let [weights, targets] = anchors.of(leaf);
+            add_anchors(&patch, |node, value| weights[node] * (value - targets[node]), out);
+        }
         out.iter_mut().for_each(|value| *value = -*value);
         keep_free(&system.free[leaf], out);
     });
@@ -156,6 +165,10 @@ pub fn inverse_diagonal(system: &System) -> Vec<f32> {
         let at = system.leaves[leaf];
         stencil_diagonal(at, system.domain_near(at), out);
         add_sample_diagonal(system.samples_of(leaf), out);
+        if let Some(anchors) = &system.anchors {
+            let [weights, _] = anchors.of(leaf);
+            out.iter_mut().zip(weights).for_each(|(out, weight)| *out += weight);
+        }
         out.iter_mut().for_each(|value| *value = if *value > 0.0 { 1.0 / *value } else { 0.0 });
         keep_free(&system.free[leaf], out);
     });

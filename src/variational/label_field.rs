@@ -4,12 +4,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::grid::distance::HALF_WIDTH;
 use crate::grid::invariant::node_offset;
-use crate::grid::leaf_grid::{LeafSet, around, leaf_of};
+use crate::grid::leaf_grid::{LeafGrid, LeafSet, around, leaf_of};
 use crate::grid::samples::{LEAF_NODES, Lattice};
 use crate::label::Label;
 use crate::section::Section;
 
+use super::anchor::{Anchor, Original};
 use super::backend::{Backend, Limits};
 use super::cpu::residual;
 use super::level::{Level, ensure, leaves_between, near_changes, near_points};
@@ -44,6 +46,8 @@ pub struct Scene<'a> {
     /// The voxels for which the soft values' weight is given, in world units.
     pub unit: f64,
     pub weights: &'a Weights,
+    /// What is smoothed, in place of soft values.
+    pub original: Option<Original<'a>>,
     pub backend: &'a dyn Backend,
 }
 
@@ -65,6 +69,9 @@ struct Solver<'a> {
     label: Label,
     outline: Outline,
     levels: Vec<Level>,
+    /// What it is drawn to, and the signed distances from it on every level.
+    anchor: Option<Anchor<'a>>,
+    anchored: Vec<LeafGrid>,
     effort: Effort,
     /// How far the present whole level was from its solution when it began.
     first: Option<f64>,
@@ -77,8 +84,19 @@ impl LabelField {
     /// When the backend fails.
     pub fn new(scene: &Scene, label: Label) -> Result<Self> {
         let outline = Outline::new(scene.sections, label);
-        let (levels, effort) = (Vec::new(), Effort::default());
-        let mut solver = Solver { scene, label, outline, levels, effort, first: None };
+        let finest = scene.space.lattices[scene.space.lattices.len() - 1].voxel;
+        let anchor =
+            scene.original.as_ref().and_then(|original| Anchor::new(original, label, finest));
+        let mut solver = Solver {
+            scene,
+            label,
+            outline,
+            levels: Vec::new(),
+            anchor,
+            anchored: Vec::new(),
+            effort: Effort::default(),
+            first: None,
+        };
         let mut band = Vec::new();
         for whole in 0..scene.space.whole {
             band = solver.add_whole_level(whole)?;
@@ -115,18 +133,41 @@ impl Solver<'_> {
     fn add_whole_level(&mut self, number: usize) -> Result<Vec<[i32; 3]>> {
         let level = Level::new(self.scene.space.lattices[number], self.scene.is_open);
         let all: Vec<[i32; 3]> = level.grid.all_places().collect();
-        self.levels.push(level);
+        self.push(level)?;
         self.ensure(all.iter().copied());
-        self.first = None;
-        self.solve_whole(number)?;
+        if self.is_solved(number) {
+            self.first = None;
+            self.solve_whole(number)?;
+        }
         Ok(all)
+    }
+
+    /// Adds a level without values.
+    fn push(&mut self, level: Level) -> Result<()> {
+        if let Some(anchor) = &self.anchor {
+            self.anchored.push(match self.levels.is_empty() {
+                true => anchor.everywhere(&level, self.scene.is_open)?,
+                false => anchor.band(&level),
+            });
+        }
+        self.levels.push(level);
+        Ok(())
+    }
+
+    /// Whether a level has a solution, and not only what it is drawn to.
+    fn is_solved(&self, number: usize) -> bool {
+        let original = self.scene.original.as_ref().filter(|_| self.anchor.is_some());
+        let voxel = self.scene.space.lattices[number].voxel;
+        original.is_none_or(|original| original.is_solved(voxel))
     }
 
     fn solve_whole(&mut self, number: usize) -> Result<()> {
         let all: Vec<[i32; 3]> = self.levels[number].grid.all_places().collect();
-        let targets = self.soft_targets(number, &self.scene.samples[number]);
+        let samples = &self.scene.samples[number];
+        let is_soft = self.scene.original.is_none();
+        let targets = is_soft.then(|| self.soft_targets(number, samples));
         for _ in 0..PASSES {
-            let pulls = self.pulls(number, &self.scene.samples[number], Some(&targets));
+            let pulls = self.pulls(number, samples, targets.as_deref());
             let limits = Limits { of: self.first, ..WHOLE };
             let size = self.solve(number, all.clone(), &pulls, limits)?;
             self.first.get_or_insert(size);
@@ -139,11 +180,18 @@ impl Solver<'_> {
         let lattice = self.scene.space.lattices[number];
         let level = Level::new(lattice, self.scene.is_open);
         let contours = near_points(&self.contour_places(&level), BAND);
-        let refined = self.refined(number, &level);
-        self.levels.push(level);
-        self.ensure(contours.iter().copied().chain(refined));
-        let passes = if number == self.scene.space.whole { PASSES } else { 1 };
-        let mut band = Vec::new();
+        self.push(level)?;
+        let starts_at_anchor = self.starts_at_anchor(number);
+        let mut band = match starts_at_anchor {
+            true => self.anchored[number].leaves().to_vec(),
+            false => self.refined(number, &self.levels[number]),
+        };
+        self.ensure(contours.iter().chain(&band).copied());
+        if !self.is_solved(number) {
+            return Ok(band);
+        }
+        let is_first = number == self.scene.space.whole || starts_at_anchor;
+        let passes = if is_first { PASSES } else { 1 };
         for _ in 0..passes {
             band = near_changes(&self.levels[number].grid, BAND);
             band.extend(&contours);
@@ -189,10 +237,35 @@ impl Solver<'_> {
         self.levels = levels;
     }
 
-    /// On the coarsest level all nodes, and on those on the wide box the ones beyond
+    /// Whether a level is not started from the one below it but from what it is
+    /// drawn to.
+    fn starts_at_anchor(&self, number: usize) -> bool {
+        self.anchor.is_some() && (number == 0 || !self.is_solved(number - 1))
+    }
+
+    /// What is not interpolated from below.
+    fn settle(&self, level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]) {
+        if self.anchor.is_none() {
+            self.settle_free(level, leaf, values);
+            return;
+        }
+        let is_own = |lattice: &Lattice| lattice.voxel == level.lattice.voxel;
+        let number = self.scene.space.lattices.iter().position(is_own);
+        let Some(number) = number.filter(|&number| self.starts_at_anchor(number)) else { return };
+        for (node, value) in values.iter_mut().enumerate() {
+            let at = node_of(leaf, node);
+            let is_end = self.scene.is_open && !level.lattice.is_inner(at);
+            let Some(distance) = self.anchored[number].value(at) else { continue };
+            if number == 0 || f64::from(distance.abs()) < HALF_WIDTH && !is_end {
+                *value = distance;
+            }
+        }
+    }
+
+    /// Without anything to be drawn to, on the coarsest level all nodes, and on those on the wide box the ones beyond
     /// it, are as far outside as the nearest contour is away. Beyond the given box
     /// nodes are outside as they are, at least by the margin.
-    fn settle(&self, level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]) {
+    fn settle_free(&self, level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]) {
         let Scene { space, is_open, .. } = self.scene;
         let is_first = level.lattice.voxel == space.lattices[0].voxel;
         let is_wide = space.is_wide(&level.lattice);
@@ -300,7 +373,11 @@ impl Solver<'_> {
         };
         leaves.retain(|&leaf| (0..LEAF_NODES).any(|node| is_free(node_of(leaf, node))));
         let domain = self.scene.is_open.then_some(level.domain);
-        let system = System::new(leaves, is_free, domain, pulls);
+        let mut system = System::new(leaves, is_free, domain, pulls);
+        if let Some(anchor) = &self.anchor {
+            let (distances, is_open) = (&self.anchored[number], self.scene.is_open);
+            system.anchors = Some(anchor.anchors(level, distances, &system.leaves, is_open));
+        }
         let residual = residual(&system, &level.grid);
         let correction = self.scene.backend.correct(&system, residual, limits)?;
         self.effort.add(system.unknowns(), correction.iterations);
@@ -314,7 +391,8 @@ impl Solver<'_> {
     }
 }
 
-fn node_of(leaf: [i32; 3], node: usize) -> [i32; 3] {
+/// A node of a leaf in the lattice.
+pub fn node_of(leaf: [i32; 3], node: usize) -> [i32; 3] {
     let offset = node_offset(node);
     std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32)
 }

@@ -29,10 +29,13 @@
 //! a narrow band around the surface and the contours on ever finer lattices, started
 //! from the interpolated level below, which is also the band's boundary condition.
 //!
+//! The same energy smooths a surface that another method made ([`smoothing`]).
+//!
 //! ```text
 //! outline, plane_samples ─► label_field: level ─► system ─► backend ─► level … ─► assembly ─► Samples
 //! ```
 
+mod anchor;
 mod assembly;
 mod backend;
 mod cpu;
@@ -42,6 +45,7 @@ mod level;
 mod outline;
 mod plane_samples;
 mod segments;
+pub mod smoothing;
 mod specks;
 mod stencil;
 mod system;
@@ -152,14 +156,25 @@ pub fn variational(
     progress: &dyn Progress,
 ) -> Result<Solved> {
     let backend = backend(method.device)?;
-    let space = Space::new(sections, bounds, lattice, method)?;
+    let wide = wide_box(sections, bounds, method.border);
+    let space = Space::new(bounds, wide, lattice)?;
     let scene = scene(sections, &space, method, backend.as_ref());
-    let labels = labels(sections);
-    progress.begin("field", labels.len() as u64);
+    let (samples, effort, specks) = solve(&scene, "field", progress)?;
+    Ok(Solved { samples, effort, specks, device: backend.name() })
+}
+
+/// Solves for all labels and removes specks; how many, comes last.
+fn solve(
+    scene: &Scene,
+    stage: &'static str,
+    progress: &dyn Progress,
+) -> Result<(Samples, Effort, u64)> {
+    let labels = labels(scene.sections);
+    progress.begin(stage, labels.len() as u64);
     let fields: Vec<LabelField> = labels
         .par_iter()
         .map(|&label| {
-            let field = LabelField::new(&scene, label)?;
+            let field = LabelField::new(scene, label)?;
             progress.advance(1);
             Ok(field)
         })
@@ -169,9 +184,9 @@ pub fn variational(
         effort.unknowns += field.effort.unknowns;
         effort.updates += field.effort.updates;
     }
-    let mut samples = assembly::assemble(fields, &scene);
-    let specks = remove_specks(&mut samples, sections, bounds) as u64;
-    Ok(Solved { samples, effort, specks, device: backend.name() })
+    let mut samples = assembly::assemble(fields, scene);
+    let specks = remove_specks(&mut samples, scene.sections, scene.space.bounds) as u64;
+    Ok((samples, effort, specks))
 }
 
 /// What a device stands for.
@@ -202,6 +217,7 @@ fn scene<'a>(
         samples: lattices[..whole].iter().map(everywhere).collect(),
         unit: bounds.size().max_element() / UNIT_VOXELS,
         weights: &method.weights,
+        original: None,
         backend,
     }
 }
@@ -219,6 +235,12 @@ fn labels(sections: &[Section]) -> Vec<Label> {
     labels
 }
 
+/// The box of the coarse lattices.
+fn wide_box(sections: &[Section], bounds: Bounds, border: Label) -> Bounds {
+    let wide = space(sections, WIDE).filter(|_| border != Label::UNKNOWN);
+    wide.map_or(bounds, |wide| bounds.union(wide))
+}
+
 /// Where is solved.
 struct Space {
     /// The box that the result fills.
@@ -232,15 +254,7 @@ struct Space {
 }
 
 impl Space {
-    fn new(
-        sections: &[Section],
-        bounds: Bounds,
-        finest: &Lattice,
-        method: &Variational,
-    ) -> Result<Self> {
-        let is_open = method.border == Label::UNKNOWN;
-        let wide = space(sections, WIDE).filter(|_| !is_open);
-        let wide = wide.map_or(bounds, |wide| bounds.union(wide));
+    fn new(bounds: Bounds, wide: Bounds, finest: &Lattice) -> Result<Self> {
         let longest = wide.size().max_element() / WHOLE_VOXELS;
         let whole = longest.min((wide.volume() / WHOLE_NODES).cbrt()).max(finest.voxel);
         let mut voxels = Vec::new();

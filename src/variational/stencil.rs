@@ -186,6 +186,19 @@ pub fn add_sample_diagonal(samples: &[Sample], out: &mut Nodes) {
     add_inner(&sums, out);
 }
 
+/// Adds what draws single nodes of a leaf: `strength` gives for each, from its
+/// value, by how much it is moved.
+#[inline(always)]
+pub fn add_anchors(patch: &Patch, strength: impl Fn(usize, f32) -> f32, out: &mut Nodes) {
+    for (index, out) in out.as_chunks_mut::<LEAF_SIDE>().0.iter_mut().enumerate() {
+        let (x, y) = (index / LEAF_SIDE + 2, index % LEAF_SIDE + 2);
+        let row = &patch[(x * PATCH + y) * PATCH + 2..][..LEAF_SIDE];
+        for (z, out) in out.iter_mut().enumerate() {
+            *out += strength(index * LEAF_SIDE + z, row[z]);
+        }
+    }
+}
+
 /// Adds a patch's values at the leaf's own nodes.
 #[inline(always)]
 fn add_inner(patch: &Patch, out: &mut Nodes) {

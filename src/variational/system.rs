@@ -15,7 +15,8 @@
 //! the place, and the stencil is made of their products.
 //!
 //! A sample is a point with a weight w and a target t, and adds w (f − t)² with f
-//! interpolated trilinearly from the eight nodes around it.
+//! interpolated trilinearly from the eight nodes around it. [`Anchors`] do the same
+//! at nodes.
 
 use std::ops::Range;
 
@@ -59,6 +60,22 @@ pub struct Sample {
     pub target: f32,
 }
 
+/// What draws single nodes: each adds w (f − t)².
+#[derive(Debug, Clone, PartialEq)]
+pub struct Anchors {
+    /// w, leaf by leaf [`LEAF_NODES`] of them; 0 where nothing draws.
+    pub weights: Vec<f32>,
+    /// t, in voxels.
+    pub targets: Vec<f32>,
+}
+
+impl Anchors {
+    /// The weights and targets in a leaf.
+    pub fn of(&self, leaf: usize) -> [&[f32; LEAF_NODES]; 2] {
+        [&self.weights, &self.targets].map(|values| &values.as_chunks().0[leaf])
+    }
+}
+
 /// A point in the lattice with a weight and a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pull {
@@ -95,6 +112,8 @@ pub struct System {
     pub samples: Vec<Sample>,
     /// For each leaf where its samples begin, and the end.
     pub starts: Vec<u32>,
+    /// What draws single nodes, if anything.
+    pub anchors: Option<Anchors>,
 }
 
 impl System {
@@ -117,7 +136,7 @@ impl System {
             .collect();
         let free = leaves.par_iter().map(|&leaf| free_nodes(leaf, &is_free)).collect();
         let (samples, starts) = sorted_samples(leaves.len(), &index, pulls);
-        Self { leaves, neighbours, free, domain, samples, starts }
+        Self { leaves, neighbours, free, domain, samples, starts, anchors: None }
     }
 
     /// How many unknowns there are.

@@ -2,7 +2,6 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::grid::samples::Lattice;
-use crate::grid::smoothing::smoothed;
 use crate::label::Label;
 use crate::mesh::shapes::{assert_edge_manifold, cylinder, open_samples, samples, solid};
 use crate::plane::Bounds;
@@ -185,7 +184,6 @@ fn without_caps_a_cylinder_is_as_wide_at_the_box_as_inside() {
     let (radius, voxels) = (0.61, 60);
     let voxel = 2.0 / f64::from(voxels);
     let samples = open_samples(OPEN, voxels, cylinder(radius, voxel));
-    let samples = smoothed(samples, &[], OPEN, 4).unwrap();
     let open = dual(&samples, &Silent).unwrap().without_caps(OPEN, 0.0);
     let off = |vertex: &DVec3| (vertex.truncate().length() - radius).abs() / voxel;
     assert!(open.vertices.iter().map(off).fold(0.0, f64::max) < 0.1);

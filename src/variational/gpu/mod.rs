@@ -88,12 +88,13 @@ impl Gpu {
         Self { few, ..self }
     }
 
-    /// Whether the GPU is for a system, and can hold it.
+    /// Whether the GPU is for a system, and can hold it: its shader knows no anchors.
     fn is_for(&self, system: &System) -> bool {
         let leaves = system.leaves.len() as u64;
         let samples = size_of_val(system.samples.as_slice()) as u64;
         let largest = (leaves * LEAF_BYTES).max(samples);
-        leaves > 0 && system.unknowns() >= self.few && self.connection.require_room(largest).is_ok()
+        let is_known = leaves > 0 && system.anchors.is_none();
+        is_known && system.unknowns() >= self.few && self.connection.require_room(largest).is_ok()
     }
 
     /// How many iterations are submitted at once.

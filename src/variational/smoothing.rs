@@ -1,0 +1,102 @@
+//! Smoothing of a surface with the contours fixed (Bermano §4.6), by the energy of
+//! the variational field.
+//!
+//! The mean-value indicator meets every section at a right angle, which makes beads
+//! between parallel sections. They are as long as the sections are apart, so what
+//! takes them away is a filter of that length, and no number of steps of a fixed
+//! kernel: the field of a label minimises
+//!
+//! ```text
+//! Σ ‖Hess f‖²  +  λ Σ (f − g)²  +  10 Σ_contours f²  +  10 Σ_planes max(0, m − σ f)²
+//! ```
+//!
+//! where g is the signed distance to the surface as it was and λ = (voxel / ℓ)⁴
+//! ([`anchor`](super::anchor)); the last two sums hold the sections. What is longer
+//! than ℓ stays, shorter waves go unless a contour asks for them. ℓ is given in
+//! distances between sections, so that it depends neither on the voxels nor on the
+//! unit of the sections.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::grid::evidence::Evidence;
+use crate::grid::samples::Samples;
+use crate::label::Label;
+use crate::mesh::{Mesh, dual};
+use crate::method::Variational;
+use crate::plane::Bounds;
+use crate::progress::{Progress, Silent};
+use crate::section::Section;
+
+use super::anchor::Original;
+use super::cpu::Cpu;
+use super::label_field::Scene;
+use super::{Effort, Space, scene, solve};
+
+/// Points of the surface whose distance to the sections is taken, about.
+const POINTS: usize = 20_000;
+/// Between planes that are h apart distances to the nearest are spread evenly from
+/// 0 to h / 2: half of them are below h / 4.
+const SPACING_OF_MEDIAN: f64 = 4.0;
+
+/// Smooths samples: what is shorter than `strength` typical distances between
+/// sections vanishes. With 0 they stay as they are.
+///
+/// # Errors
+/// When the surface has no area, or a backend fails.
+pub fn smoothed(
+    samples: Samples,
+    sections: &[Section],
+    bounds: Bounds,
+    strength: f64,
+    progress: &dyn Progress,
+) -> Result<(Samples, Effort)> {
+    if strength == 0.0 {
+        return Ok((samples, Effort::default()));
+    }
+    let mesh = dual(&samples, &Silent)?;
+    let length = strength * typical_spacing(&mesh, sections);
+    if length == 0.0 {
+        return Ok((samples, Effort::default()));
+    }
+    smoothed_mesh(&samples, &mesh, sections, bounds, length, progress)
+}
+
+/// The samples of a smoothed mesh, `length` being ℓ in world units.
+fn smoothed_mesh(
+    samples: &Samples,
+    mesh: &Mesh,
+    sections: &[Section],
+    bounds: Bounds,
+    length: f64,
+    progress: &dyn Progress,
+) -> Result<(Samples, Effort)> {
+    let space = Space::new(bounds, bounds, &samples.lattice)?;
+    let border = if samples.open.is_some() { Label::UNKNOWN } else { Label::OUTSIDE };
+    let method = Variational { border, ..Variational::default() };
+    let original = Original { mesh, open: samples.open, length, finest: samples.lattice.voxel };
+    let backend = Cpu::new();
+    let scene = Scene { original: Some(original), ..scene(sections, &space, &method, &backend) };
+    let (samples, effort, _) = solve(&scene, "smoothing", progress)?;
+    Ok((samples, effort))
+}
+
+/// How far sections are apart where the surface is, in world units: by the median
+/// distance of its points to the nearest known part of a section. 0 without any.
+fn typical_spacing(mesh: &Mesh, sections: &[Section]) -> f64 {
+    let evidence = Evidence::new(sections);
+    let step = mesh.vertices.len().div_ceil(POINTS).max(1);
+    let distance = |&point: &DVec3| evidence.near(point, 0.0).distance(point);
+    let mut distances: Vec<f64> =
+        mesh.vertices.par_iter().step_by(step).filter_map(distance).collect();
+    if distances.is_empty() {
+        return 0.0;
+    }
+    let half = distances.len() / 2;
+    let (_, median, _) = distances.select_nth_unstable_by(half, f64::total_cmp);
+    SPACING_OF_MEDIAN * *median
+}
+
+#[cfg(test)]
+mod tests;
