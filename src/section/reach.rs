@@ -33,7 +33,7 @@ impl Sections {
     /// their diagonal along its plane, and its section's reach across. So beyond the
     /// last section of a stack it ends one spacing away. `None` without contours.
     pub fn space(&self) -> Option<Bounds> {
-        space(&self.sections, MARGIN)
+        space(&self.sections, MARGIN, 1.0)
     }
 }
 
@@ -62,14 +62,15 @@ fn reaches(sections: &[Section], margin: f64) -> Vec<f64> {
     sections.iter().map(reach).collect()
 }
 
-/// [`Sections::space`] with another margin, relative to the diagonal.
-pub fn space(sections: &[Section], margin: f64) -> Option<Bounds> {
+/// [`Sections::space`] with another margin, relative to the diagonal, and with
+/// `beyond` times the reaches.
+pub fn space(sections: &[Section], margin: f64, beyond: f64) -> Option<Bounds> {
     let along_plane = margin * bounds(sections)?.diagonal();
     let grown = |(section, reach): (&Section, f64)| {
         let normal = section.plane.unit_normal();
         // Half the size of a disc with a height along the normal.
         let along = (DVec3::ONE - normal * normal).max(DVec3::ZERO);
-        let size = reach * normal.abs() + along_plane * along.map(f64::sqrt);
+        let size = beyond * reach * normal.abs() + along_plane * along.map(f64::sqrt);
         let own = section.bounds()?;
         Some(Bounds { min: own.min - size, max: own.max + size })
     };

@@ -33,7 +33,10 @@ const BAND: i32 = 2;
 const PASSES: u32 = 3;
 /// Where all of the box is solved for.
 const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: None };
-/// In the band.
+/// In the band of the coarsest level that has one. What is solved there is all that
+/// finer levels know of the shape between sections, whatever their voxels.
+const FIRST_NARROW: Limits = Limits { iterations: 100, tolerance: 1e-3, of: None };
+/// In the band of the others.
 const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-3, of: None };
 
 /// What all labels' fields are made from.
@@ -191,7 +194,7 @@ impl Solver<'_> {
             return Ok(band);
         }
         let is_first = number == self.scene.space.whole || starts_at_anchor;
-        let passes = if is_first { PASSES } else { 1 };
+        let (passes, limits) = if is_first { (PASSES, FIRST_NARROW) } else { (1, NARROW) };
         for _ in 0..passes {
             band = near_changes(&self.levels[number].grid, BAND);
             band.extend(&contours);
@@ -201,7 +204,7 @@ impl Solver<'_> {
             self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
             let samples = self.samples_in(number, &band);
             let pulls = self.pulls(number, &samples, None);
-            self.solve(number, band.clone(), &pulls, NARROW)?;
+            self.solve(number, band.clone(), &pulls, limits)?;
         }
         Ok(band)
     }

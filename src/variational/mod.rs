@@ -86,6 +86,9 @@ const UNIT_VOXELS: f64 = 96.0;
 /// diagonal of them all. The given one is near to the surface; half way between two
 /// sections the −d on its faces, whose d is larger there, would draw a waist.
 const WIDE: f64 = 0.15;
+/// How far beyond the last sections of a stack, in spacings: what is −d there is 0
+/// a little less than half a spacing beyond.
+const BEYOND: f64 = 1.25;
 /// Nodes there are to be at least then, in a box that is long.
 const WHOLE_NODES: f64 = 45_000.0;
 /// Systems with fewer unknowns stay on the CPU when the device is chosen
@@ -237,7 +240,7 @@ fn labels(sections: &[Section]) -> Vec<Label> {
 
 /// The box of the coarse lattices.
 fn wide_box(sections: &[Section], bounds: Bounds, border: Label) -> Bounds {
-    let wide = space(sections, WIDE).filter(|_| border != Label::UNKNOWN);
+    let wide = space(sections, WIDE, BEYOND).filter(|_| border != Label::UNKNOWN);
     wide.map_or(bounds, |wide| bounds.union(wide))
 }
 
