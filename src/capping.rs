@@ -10,7 +10,7 @@ use crate::label::Label;
 use crate::method::Caps;
 use crate::plane::{Bounds, Plane};
 use crate::section::Section;
-use crate::section::ends::{End, ends};
+use crate::section::ends::ends;
 use crate::variational::specks::remove_specks;
 
 /// How much of an end's reach is the solid's: midway to where the box ends, or to the
@@ -23,8 +23,9 @@ const LEDGE: f64 = 0.5;
 /// The ends of some sections, capped.
 #[derive(Debug)]
 pub struct Capping<'a> {
-    /// The sections. With flat caps their ends come once more, where the solid ends:
-    /// on the way there it is as the last section shows it.
+    /// The sections, and their ends once more where flat caps are: up to there the field
+    /// goes on as the last section shows it. A field that is rounded off beyond a section
+    /// bulges before it, too.
     pub sections: Cow<'a, [Section]>,
     /// Where the solid is cut off, the normals pointing away from it.
     cuts: Vec<Plane>,
@@ -41,12 +42,10 @@ impl<'a> Capping<'a> {
             return Ok(capping);
         }
         for end in ends(sections) {
-            let distance = distance(&end, caps, voxel);
-            capping.cuts.push(end.beyond(distance));
-            if caps == Caps::Flat {
-                let copy = end.repeated(sections, distance)?;
-                capping.sections.to_mut().extend(copy);
-            }
+            let midway = MIDWAY * end.reach;
+            let cut = if caps == Caps::Flat { midway } else { midway.min(LEDGE * voxel) };
+            capping.cuts.push(end.beyond(cut));
+            capping.sections.to_mut().extend(end.repeated(sections, midway)?);
         }
         Ok(capping)
     }
@@ -63,10 +62,4 @@ impl<'a> Capping<'a> {
         let is_repeated = self.sections.len() > sections.len();
         if is_repeated { remove_specks(samples, sections, bounds) } else { 0 }
     }
-}
-
-/// How far beyond an end the solid is cut off, in world units.
-fn distance(end: &End, caps: Caps, voxel: f64) -> f64 {
-    let midway = MIDWAY * end.reach;
-    if caps == Caps::None { midway.min(LEDGE * voxel) } else { midway }
 }
