@@ -236,13 +236,14 @@ mod tests {
             let mut on = [0, 0];
             for &vertex in &mesh.vertices {
                 let distance = planes().map(|plane| plane.distance(vertex) / LATTICE.voxel);
-                assert!(distance.iter().all(|&distance| distance < 0.02), "{distance:?}");
+                // The mesher slides points of a rim along both surfaces that meet there.
+                assert!(distance.iter().all(|&distance| distance < 0.2), "{distance:?}");
                 // Away from the rims and from where the materials meet.
                 let is_inner = vertex.length() < 0.8 && (vertex.x - BORDER).abs() > 0.1;
                 for (on, [here, other]) in on.iter_mut().zip([distance, [distance[1], distance[0]]])
                 {
                     if is_inner && here > -1.0 && other < -3.0 {
-                        assert!(here > -0.02, "{values:?} {vertex}: {here}");
+                        assert!(here.abs() < 0.02, "{values:?} {vertex}: {here}");
                         *on += 1;
                     }
                 }
