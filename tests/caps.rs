@@ -267,14 +267,15 @@ fn where_sections_have_no_ends_caps_change_nothing() {
 
 #[test]
 fn what_a_repeated_section_alone_shows_is_no_piece() {
-    // Beside the disc one so small that the field is torn above it.
-    let small = arc(DVec2::new(1.3, 0.0), 0.06, [0.0, TAU]);
+    // Beside the disc one so small that the field is torn above it: what is left at the
+    // copies are two pieces.
+    let small = arc(DVec2::new(1.4, 0.0), 0.04, [0.0, TAU]);
     let discs = |plane: Plane| {
         section(plane, &[(Label(1), arc(DVec2::ZERO, 1.0, [0.0, TAU])), (Label(1), small.clone())])
     };
     let plane = |layer: u32| Plane { normal: DVec3::Z, offset: 0.8 * f64::from(layer) };
     for method in methods(Caps::Flat, Mesher::Dual) {
-        let model = model((0..3).map(plane).map(discs).collect(), method, 64);
+        let model = model((0..3).map(plane).map(discs).collect(), method, 96);
         assert_eq!(checked(&model).labels[0].afloat.pieces, 0);
     }
 }
