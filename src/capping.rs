@@ -23,9 +23,10 @@ const LEDGE: f64 = 0.5;
 /// The ends of some sections, capped.
 #[derive(Debug)]
 pub struct Capping<'a> {
-    /// The sections, and their ends once more where flat caps are: up to there the field
-    /// goes on as the last section shows it. A field that is rounded off beyond a section
-    /// bulges before it, too.
+    /// The sections. With flat caps their ends come once more, where the solid ends:
+    /// on the way there it is as the last section shows it. Without caps they do not: a
+    /// copy asks for walls at a right angle to the last section, and what tapers there
+    /// would be bent.
     pub sections: Cow<'a, [Section]>,
     /// Where the solid is cut off, the normals pointing away from it.
     cuts: Vec<Plane>,
@@ -45,7 +46,9 @@ impl<'a> Capping<'a> {
             let midway = MIDWAY * end.reach;
             let cut = if caps == Caps::Flat { midway } else { midway.min(LEDGE * voxel) };
             capping.cuts.push(end.beyond(cut));
-            capping.sections.to_mut().extend(end.repeated(sections, midway)?);
+            if caps == Caps::Flat {
+                capping.sections.to_mut().extend(end.repeated(sections, midway)?);
+            }
         }
         Ok(capping)
     }

@@ -113,7 +113,7 @@ fn area_in(mesh: &Mesh, label: Label, plane: Plane, tolerance: f64) -> f64 {
 
 /// A stack of discs ends where it should, in flat faces with the discs' area, and has
 /// the volume that the sections say.
-fn assert_cylinder(model: &Model, normal: DVec3, beyond: f64, face: f64) {
+fn assert_cylinder(model: &Model, normal: DVec3, beyond: f64, face: f64, most: f64) {
     let (voxel, mesh, check) = (voxel(model), mesh(model), checked(model));
     let [low, high] = extremes(mesh, normal);
     let last = 4.0 * SPACING;
@@ -128,7 +128,7 @@ fn assert_cylinder(model: &Model, normal: DVec3, beyond: f64, face: f64) {
     let facts = &check.labels[0].facts;
     assert_eq!((facts.components, facts.genus), (1, 0));
     let ratio = facts.volume / (PI * (last + 2.0 * beyond));
-    assert!((0.98..1.01).contains(&ratio), "{ratio}");
+    assert!((0.98..most).contains(&ratio), "{ratio}");
     assert!(check.dice.min > 0.985, "{}", check.dice.min);
     assert!(check.contours.largest < 1.0, "{}", check.contours.largest);
 }
@@ -137,7 +137,7 @@ fn assert_cylinder(model: &Model, normal: DVec3, beyond: f64, face: f64) {
 fn flat_caps_end_half_a_spacing_beyond_a_stack() {
     for normal in [DVec3::Z, OBLIQUE] {
         for method in methods(Caps::Flat, Mesher::Dual) {
-            assert_cylinder(&model(discs(normal), method, 64), normal, SPACING / 2.0, FACE);
+            assert_cylinder(&model(discs(normal), method, 64), normal, SPACING / 2.0, FACE, 1.01);
         }
     }
 }
@@ -147,7 +147,8 @@ fn without_caps_a_stack_ends_on_its_last_section() {
     for normal in [DVec3::Z, OBLIQUE] {
         for method in methods(Caps::None, Mesher::Dual) {
             let model = model(discs(normal), method, 64);
-            assert_cylinder(&model, normal, 0.5 * voxel(&model), FACE);
+            // The field is rounded beyond the last section, and bulges a little before it.
+            assert_cylinder(&model, normal, 0.5 * voxel(&model), FACE, 1.03);
         }
     }
 }
@@ -168,7 +169,7 @@ fn delaunay_refinement_makes_flat_caps_too() {
     let mesher = Mesher::Delaunay(delaunay::Options::default());
     for method in methods(Caps::Flat, mesher) {
         // Triangles may be a tenth of a voxel off the surface.
-        assert_cylinder(&model(discs(DVec3::Z), method, 40), DVec3::Z, SPACING / 2.0, 0.2);
+        assert_cylinder(&model(discs(DVec3::Z), method, 40), DVec3::Z, SPACING / 2.0, 0.2, 1.01);
     }
 }
 
