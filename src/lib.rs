@@ -30,6 +30,7 @@
 //! `docs/architecture.md` says why.
 
 pub mod arrangement;
+mod capping;
 pub mod change;
 pub mod check;
 pub mod cli;

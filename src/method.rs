@@ -31,6 +31,8 @@ pub struct Variational {
     /// What is on the box's faces: [`Label::OUTSIDE`] closes every surface in
     /// the box, [`Label::UNKNOWN`] lets materials leave it.
     pub border: Label,
+    /// How it ends beyond the outermost sections.
+    pub caps: Caps,
     /// Where it is solved.
     pub device: Device,
     /// How the surface is made from the samples.
@@ -46,6 +48,8 @@ pub struct MeanValue {
     pub smooth: f64,
     /// As in [`Variational`].
     pub border: Label,
+    /// As in [`Variational`].
+    pub caps: Caps,
     /// Where the field is evaluated.
     pub device: Device,
     /// How finely unknown regions are triangulated to be completed: the length
@@ -56,7 +60,8 @@ pub struct MeanValue {
     pub mesher: Mesher,
 }
 
-/// The nearest section. The box's faces are outside.
+/// The nearest section. The box's faces are outside, so that it ends midway to them:
+/// flat, half a spacing beyond the last section of a stack.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Skeleton {
     /// How that is done.
@@ -70,6 +75,24 @@ pub struct Skeleton {
 pub struct Fairing {
     /// How long edges are to be, in world units; a voxel when it is not given.
     pub edge_length: Option<f64>,
+}
+
+/// How a solid ends beyond the sections: on every side of a section beyond whose plane no
+/// other section has a contour ([`Sections::ends`](crate::section::Sections::ends)).
+///
+/// In an open box ([`Label::UNKNOWN`] on its faces) it goes on up to these, whatever is
+/// said here. There `Flat` asks for a surface that is closed in the box's faces, and the
+/// others for one that is open there ([`Mesh::without_caps`](crate::mesh::Mesh::without_caps)).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Caps {
+    /// As the field has it: rounded, up to about half a spacing beyond the last section.
+    #[default]
+    Rounded,
+    /// In a plane half a spacing beyond the last section, which up to there is repeated.
+    Flat,
+    /// On the last section, or half a voxel beyond, so that the section's plane still
+    /// passes through the solid.
+    None,
 }
 
 /// How the surface is made from samples.
@@ -91,14 +114,15 @@ impl Default for Method {
 impl Default for Variational {
     fn default() -> Self {
         let (weights, mesher) = (Weights::default(), Mesher::Dual);
-        Self { weights, border: Label::OUTSIDE, device: Device::Auto, mesher }
+        let (border, caps, device) = (Label::OUTSIDE, Caps::Rounded, Device::Auto);
+        Self { weights, border, caps, device, mesher }
     }
 }
 
 impl Default for MeanValue {
     fn default() -> Self {
         let (border, device, mesher) = (Label::OUTSIDE, Device::Auto, Mesher::Dual);
-        Self { smooth: 1.0, border, device, spacing: None, mesher }
+        Self { smooth: 1.0, border, caps: Caps::Rounded, device, spacing: None, mesher }
     }
 }
 
@@ -109,6 +133,15 @@ impl Method {
             Self::Variational(own) => own.border,
             Self::MeanValue(own) => own.border,
             Self::Skeleton(_) => Label::OUTSIDE,
+        }
+    }
+
+    /// How its solid ends.
+    pub fn caps(&self) -> Caps {
+        match self {
+            Self::Variational(own) => own.caps,
+            Self::MeanValue(own) => own.caps,
+            Self::Skeleton(_) => Caps::Flat,
         }
     }
 

@@ -4,6 +4,7 @@
 //! Only [`Model::apply`] changes a model, all or nothing.
 
 use crate::arrangement::Arrangement;
+use crate::capping::Capping;
 use crate::change::Change;
 use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
@@ -163,15 +164,17 @@ impl Ground<'_> {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
-        let (samples, device) = stages.run("field", |counts| {
-            let Self { sections, bounds, lattice } = self;
-            let solved = variational(sections, *bounds, lattice, method, progress)?;
+        let Self { sections, bounds, lattice } = self;
+        let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
+        let (mut samples, device) = stages.run("field", |counts| {
+            let solved = variational(&capping.sections, *bounds, lattice, method, progress)?;
             counts.insert("leaves".into(), solved.samples.leaves.len() as u64);
             counts.insert("unknowns".into(), solved.effort.unknowns);
             counts.insert("updates".into(), solved.effort.updates);
             counts.insert("specks".into(), solved.specks);
             Ok((solved.samples, solved.device))
         })?;
+        self.cut(&mut samples, &capping, stages, progress)?;
         let mesh = mesh(&samples, &method.mesher, stages, progress)?;
         Ok(Derived { arrangement: None, samples, mesh, device, exact: None })
     }
@@ -184,6 +187,8 @@ impl Ground<'_> {
         progress: &dyn Progress,
     ) -> Result<Derived> {
         let Self { sections, bounds, lattice } = self;
+        let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
+        let sections = capping.sections.as_ref();
         let arrangement = stages.run("arrangement", |counts| {
             progress.begin("arrangement", 0);
             let arrangement = Arrangement::new(sections, *bounds, method.border)?;
@@ -214,14 +219,36 @@ impl Ground<'_> {
             counts.insert("evaluations".into(), sampling.points);
             Ok((sampling.samples, field.name()))
         })?;
-        let samples = stages.run("smoothing", |counts| {
+        let mut samples = stages.run("smoothing", |counts| {
             let (samples, effort) = smoothed(samples, sections, *bounds, method.smooth, progress)?;
             counts.insert("unknowns".into(), effort.unknowns);
             counts.insert("updates".into(), effort.updates);
             Ok(samples)
         })?;
+        self.cut(&mut samples, &capping, stages, progress)?;
         let mesh = mesh(&samples, &method.mesher, stages, progress)?;
         Ok(Derived { arrangement: Some(arrangement), samples, mesh, device, exact: None })
+    }
+
+    /// Cuts samples off where the solid ends.
+    fn cut(
+        &self,
+        samples: &mut Samples,
+        capping: &Capping,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<()> {
+        if !capping.is_cut() {
+            return Ok(());
+        }
+        stages.run("caps", |counts| {
+            progress.begin("caps", 0);
+            let specks = capping.cut(samples, self.sections, self.bounds);
+            counts.insert("leaves".into(), samples.leaves.len() as u64);
+            counts.insert("specks".into(), specks as u64);
+            debug_assert_eq!(samples.sanity_check(), Ok(()));
+            Ok(())
+        })
     }
 
     /// Builds the exact surface; the samples only say labels. Where there are too

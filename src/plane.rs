@@ -62,6 +62,22 @@ impl Plane {
         self.normal.normalize()
     }
 
+    /// The same plane with a normal of length one.
+    pub fn unit(&self) -> Self {
+        Self { normal: self.unit_normal(), offset: self.offset / self.normal.length() }
+    }
+
+    /// The same plane seen from the other side.
+    pub fn turned(&self) -> Self {
+        Self { normal: -self.normal, offset: -self.offset }
+    }
+
+    /// The largest signed distance of a point of a box, in world units.
+    pub fn largest_distance(&self, bounds: Bounds) -> f64 {
+        let corner = DVec3::select(self.normal.cmpgt(DVec3::ZERO), bounds.max, bounds.min);
+        self.distance(corner)
+    }
+
     /// Unit vectors along which people measure width and height on the plane:
     /// the first is as near to x as the plane allows (to y, where the normal is
     /// nearest to x), the second completes them and the normal to a

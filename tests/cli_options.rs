@@ -88,7 +88,7 @@ fn facets_are_the_delaunay_meshers_own() {
 }
 
 #[test]
-fn in_an_open_box_caps_are_made_on_request() {
+fn in_an_open_box_flat_caps_are_made_on_request() {
     let folder = folder();
     let report = |name: &str, more: &[&str]| {
         let path = folder.path().join(name).with_extension("report.json");
@@ -100,16 +100,19 @@ fn in_an_open_box_caps_are_made_on_request() {
     };
     for mesher in ["dual", "delaunay"] {
         let open = ["--mesher", mesher, "--box", "unknown"];
-        let capped = ["--mesher", mesher, "--box", "unknown", "--caps"];
-        let [closed, open, capped] = [
+        let bare = ["--mesher", mesher, "--box", "unknown", "--caps", "none"];
+        let capped = ["--mesher", mesher, "--box", "unknown", "--caps", "flat"];
+        let [closed, open, bare, capped] = [
             report("closed.ply", &["--mesher", mesher]),
             report("open.ply", &open),
+            report("bare.ply", &bare),
             report("capped.ply", &capped),
         ];
         let closed_files = ["closed.ply", "open.ply", "capped.ply"]
             .map(|name| is_closed(&folder.path().join(name)));
         assert_eq!(closed_files, [true, false, true], "{mesher}");
         let number = |label: &Value, name: &str| label[name].as_f64().expect("a number");
+        assert_eq!(open, bare);
         assert_eq!((&open["closed"], &open["open_at_box"]), (&false.into(), &true.into()));
         assert_eq!((&capped["closed"], &capped["outward"]), (&true.into(), &true.into()));
         assert!(number(&open, "open_edges") > 0.0);
@@ -121,12 +124,50 @@ fn in_an_open_box_caps_are_made_on_request() {
 }
 
 #[test]
-fn caps_need_an_open_box() {
+fn caps_are_refused_where_they_mean_nothing() {
     let folder = folder();
-    for more in [&["--caps"][..], &["--caps", "--box", "outside"]] {
-        assert_refused(&reconstruct(folder.path(), &["a.ply"], more), &["--caps", "--box unknown"]);
+    let rounded = ["--box", "unknown", "--caps", "rounded"];
+    let words = ["--caps rounded", "--box unknown", "--caps flat"];
+    for method in ["variational", "mvc"] {
+        let more = [&["--method", method], &rounded[..]].concat();
+        assert_refused(&reconstruct(folder.path(), &["a.ply"], &more), &words);
+    }
+    for caps in ["rounded", "none"] {
+        let more = ["--method", "skeleton", "--caps", caps];
+        let option = format!("--caps {caps}");
+        let words = [option.as_str(), "--method variational and mvc", "skeleton"];
+        assert_refused(&reconstruct(folder.path(), &["a.ply"], &more), &words);
+    }
+    for more in [&["--caps"][..], &["--caps", "round"]] {
+        assert_eq!(reconstruct(folder.path(), &["a.ply"], more).status.code(), Some(2));
     }
     assert!(entries(folder.path()).is_empty());
+}
+
+#[test]
+fn caps_say_how_a_stack_ends() {
+    let folder = folder();
+    let heights = |name: &str, more: &[&str]| {
+        let path = folder.path().join(name);
+        assert_done(&reconstruct_small("organs.csl", &path, &[&["--quiet"], more].concat()));
+        assert!(is_closed(&path), "{name}");
+        let bounds = read_mesh(&path).expect("a mesh").bounds().expect("a surface");
+        [bounds.min.z, bounds.max.z]
+    };
+    let [default, rounded] =
+        [heights("default.ply", &[]), heights("rounded.ply", &["--caps", "rounded"])];
+    assert_eq!(default, rounded);
+    let [flat, none, exact, default_exact] = [
+        heights("flat.ply", &["--caps", "flat"]),
+        heights("none.ply", &["--caps", "none"]),
+        heights("exact.ply", &["--method", "skeleton", "--caps", "flat"]),
+        heights("default_exact.ply", &["--method", "skeleton"]),
+    ];
+    assert_eq!(exact, default_exact);
+    for end in 0..2 {
+        assert!((flat[end] - exact[end]).abs() < 0.05, "{flat:?} {exact:?}");
+    }
+    assert!(none[0] > flat[0] && none[1] < flat[1], "{none:?} {flat:?}");
 }
 
 #[test]

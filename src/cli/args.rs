@@ -10,7 +10,7 @@ use crate::field::Device;
 use crate::grid::lattice::Resolution;
 use crate::label::Label;
 use crate::mesh::delaunay;
-use crate::method::Mesher;
+use crate::method::{Caps, Mesher};
 use crate::model;
 use crate::picture::{self, Viewpoint};
 use crate::section::{Overlap, Rules};
@@ -63,9 +63,9 @@ pub struct ReconstructArguments {
     /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it [default: outside]
     #[arg(long = "box", value_name = "LABEL", value_enum)]
     pub border: Option<BorderName>,
-    /// With --box unknown: close surfaces where they leave the box; volumes are closed always
-    #[arg(long)]
-    pub caps: bool,
+    /// How a solid ends beyond the outermost sections: rounded as its field is, flat half a spacing beyond them, or on them (none). With --box unknown: flat closes surfaces in the box's faces, none leaves them open there [default: rounded; with --box unknown: none]
+    #[arg(long, value_enum)]
+    pub caps: Option<CapsName>,
     /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too [default: auto]
     #[arg(long, value_enum)]
     pub device: Option<DeviceName>,
@@ -384,6 +384,23 @@ impl From<BorderName> for Label {
         match name {
             BorderName::Outside => Self::OUTSIDE,
             BorderName::Unknown => Self::UNKNOWN,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CapsName {
+    Rounded,
+    Flat,
+    None,
+}
+
+impl From<CapsName> for Caps {
+    fn from(name: CapsName) -> Self {
+        match name {
+            CapsName::Rounded => Self::Rounded,
+            CapsName::Flat => Self::Flat,
+            CapsName::None => Self::None,
         }
     }
 }

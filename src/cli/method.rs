@@ -1,10 +1,10 @@
 //! The method of a reconstruction, from arguments: what it does not use is refused
 //! by name.
 
-use super::args::{BorderName, DeviceName, MesherName, MethodName, ReconstructArguments};
+use super::args::{BorderName, CapsName, DeviceName, MesherName, MethodName, ReconstructArguments};
 use crate::error::{Error, Result};
 use crate::label::Label;
-use crate::method::{Fairing, MeanValue, Method, Skeleton, Variational};
+use crate::method::{Caps, Fairing, MeanValue, Method, Skeleton, Variational};
 use crate::skeleton;
 
 /// The method that arguments ask for.
@@ -13,6 +13,7 @@ pub fn method(arguments: &ReconstructArguments) -> Result<Method> {
     Ok(match arguments.method {
         MethodName::Variational => Method::Variational(Variational {
             border: border(arguments),
+            caps: caps(arguments)?,
             device: device(arguments),
             mesher: arguments.meshing.mesher()?,
             ..Variational::default()
@@ -20,6 +21,7 @@ pub fn method(arguments: &ReconstructArguments) -> Result<Method> {
         MethodName::Mvc => Method::MeanValue(MeanValue {
             smooth: arguments.smooth.unwrap_or(MeanValue::default().smooth),
             border: border(arguments),
+            caps: caps(arguments)?,
             device: device(arguments),
             spacing: arguments.spacing,
             mesher: arguments.meshing.mesher()?,
@@ -38,6 +40,24 @@ fn border(arguments: &ReconstructArguments) -> Label {
     arguments.border.unwrap_or(BorderName::Outside).into()
 }
 
+/// In an open box nothing is rounded, and what leaves it is open unless it is closed.
+fn caps(arguments: &ReconstructArguments) -> Result<Caps> {
+    match (is_open(arguments), arguments.caps) {
+        (false, given) => Ok(given.map_or(Caps::default(), Caps::from)),
+        (true, None) => Ok(Caps::None),
+        (true, Some(CapsName::Rounded)) => Err(Error::Option(
+            "--caps rounded means nothing with --box unknown, where materials go on up to the \
+             box's faces: choose --caps flat to close surfaces there, or none to leave them open"
+                .to_owned(),
+        )),
+        (true, Some(given)) => Ok(given.into()),
+    }
+}
+
+fn is_open(arguments: &ReconstructArguments) -> bool {
+    arguments.border.is_some_and(|border| border != BorderName::Outside)
+}
+
 fn device(arguments: &ReconstructArguments) -> crate::field::Device {
     arguments.device.unwrap_or(DeviceName::Auto).into()
 }
@@ -47,7 +67,7 @@ fn device(arguments: &ReconstructArguments) -> crate::field::Device {
 fn refuse_unused(arguments: &ReconstructArguments) -> Result<()> {
     use MethodName::{Mvc, Skeleton, Variational};
     let of_grid: &[MethodName] = &[Variational, Mvc];
-    let open = arguments.border.is_some_and(|border| border != BorderName::Outside);
+    let has_caps = |caps: CapsName| arguments.caps == Some(caps);
     let mesher = arguments.meshing.mesher != MesherName::Dual;
     let options = [
         ("--smooth", arguments.smooth.is_some(), &[Mvc][..]),
@@ -55,7 +75,9 @@ fn refuse_unused(arguments: &ReconstructArguments) -> Result<()> {
         ("--fair", arguments.fair.is_some(), &[Skeleton]),
         ("--exact", arguments.exact.is_some(), &[Skeleton]),
         ("--device", arguments.device.is_some(), of_grid),
-        ("--box unknown", open, of_grid),
+        ("--box unknown", is_open(arguments), of_grid),
+        ("--caps rounded", has_caps(CapsName::Rounded), of_grid),
+        ("--caps none", has_caps(CapsName::None), of_grid),
         ("--mesher delaunay", mesher, of_grid),
     ];
     for (option, is_given, methods) in options {
@@ -72,9 +94,6 @@ fn refuse_unused(arguments: &ReconstructArguments) -> Result<()> {
     if arguments.exact.is_some() && arguments.fair.is_some() {
         let what = "--fair moves vertices away from their exact places: leave it or --exact out";
         return Err(Error::Option(what.to_owned()));
-    }
-    if arguments.caps && !open {
-        return Err(Error::Option("--caps needs --box unknown".to_owned()));
     }
     Ok(())
 }

@@ -18,7 +18,7 @@ use crate::io::{self};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
-use crate::method::Mesher;
+use crate::method::{Caps, Mesher};
 use crate::model::{Derived, Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
@@ -64,8 +64,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let derived = model
         .derived()
         .ok_or_else(|| Error::Bug { stage: "model", what: "nothing was derived".to_owned() })?;
-    // With caps the surfaces are closed as they would be without a box.
-    let open = derived.samples.open.filter(|_| !arguments.caps);
+    // With flat caps the surfaces are closed in the faces of an open box.
+    let open = derived.samples.open.filter(|_| model.options().method.caps() != Caps::Flat);
     let checked = stages.run("check", |_| {
         // Cheap for the delaunay mesher's fewer triangles, and promised.
         let self_intersections = !matches!(model.options().method.mesher(), Some(Mesher::Dual));

@@ -41,7 +41,7 @@ use crate::field::Device;
 use crate::grid::lattice::Resolution;
 use crate::label::Label;
 use crate::mesh::{Mesh, delaunay};
-use crate::method::{MeanValue, Mesher, Method};
+use crate::method::{Caps, MeanValue, Mesher, Method};
 use crate::model::{self, Derived, Model};
 use crate::progress::Progress;
 use crate::section::{Rules, Sections};
@@ -147,7 +147,8 @@ pub fn crosscheck(
 /// The field as it is: not smoothed, and meshed by dual contouring.
 fn model_options(options: &Options) -> model::Options {
     let Options { resolution, device, border, spacing, .. } = *options;
-    let method = MeanValue { smooth: 0.0, border, device, spacing, mesher: Mesher::Dual };
+    let (caps, mesher) = (Caps::Rounded, Mesher::Dual);
+    let method = MeanValue { smooth: 0.0, border, caps, device, spacing, mesher };
     model::Options { method: Method::MeanValue(method), resolution }
 }
 

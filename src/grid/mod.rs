@@ -5,6 +5,7 @@
 //!                                                  mesh ─► distance (level sets)
 //! ```
 
+pub mod clip;
 pub mod contour;
 pub mod distance;
 pub mod evidence;

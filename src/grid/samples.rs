@@ -68,6 +68,15 @@ impl Values {
         }
     }
 
+    /// The lead of a label at a distance in voxels before a plane on which it ends: the
+    /// inverse of [`Self::straightened`].
+    pub fn lead_of(self, distance: f64) -> f64 {
+        match self {
+            Self::Indicators => distance / (1.0 + distance * distance).sqrt(),
+            Self::Distances => distance,
+        }
+    }
+
     /// A value as an indicator.
     pub fn indicator(self, value: f32) -> f32 {
         match self {

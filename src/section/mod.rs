@@ -2,6 +2,7 @@
 
 mod agreement;
 mod draft;
+pub mod ends;
 mod extent;
 mod graph;
 mod loops;
@@ -26,6 +27,7 @@ use crate::label::{Label, Material};
 use crate::plane::Plane;
 
 pub use agreement::Disagreement;
+pub use ends::End;
 pub(crate) use extent::COVERED;
 pub use rectangle::Rectangle;
 pub use regions::Region;

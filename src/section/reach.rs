@@ -26,7 +26,7 @@ impl Sections {
     /// world units: as far as the nearest section is away that is parallel.
     /// A twentieth of the diagonal where there is none. Empty without contours.
     pub fn reaches(&self) -> Vec<f64> {
-        reaches(&self.sections, MARGIN)
+        reaches(&self.sections)
     }
 
     /// The box in which a solid is looked for: around every contour a twentieth of
@@ -43,8 +43,13 @@ pub fn bounds(sections: &[Section]) -> Option<Bounds> {
     Bounds::around(sections.iter().filter_map(Section::bounds).flat_map(corners))
 }
 
-/// [`Sections::reaches`] with another margin, relative to the diagonal.
-fn reaches(sections: &[Section], margin: f64) -> Vec<f64> {
+/// [`Sections::reaches`].
+pub fn reaches(sections: &[Section]) -> Vec<f64> {
+    reaches_with(sections, MARGIN)
+}
+
+/// The same with another margin, relative to the diagonal.
+fn reaches_with(sections: &[Section], margin: f64) -> Vec<f64> {
     let Some(all) = bounds(sections) else { return Vec::new() };
     let diagonal = all.diagonal();
     let middle = (all.min + all.max) / 2.0;
@@ -74,7 +79,7 @@ pub fn space(sections: &[Section], margin: f64, beyond: f64) -> Option<Bounds> {
         let own = section.bounds()?;
         Some(Bounds { min: own.min - size, max: own.max + size })
     };
-    let boxes = sections.iter().zip(reaches(sections, margin)).filter_map(grown);
+    let boxes = sections.iter().zip(reaches_with(sections, margin)).filter_map(grown);
     Bounds::around(boxes.flat_map(|own| [own.min, own.max]))
 }
 

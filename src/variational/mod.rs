@@ -46,7 +46,7 @@ mod outline;
 mod plane_samples;
 mod segments;
 pub mod smoothing;
-mod specks;
+pub(crate) mod specks;
 mod stencil;
 mod system;
 mod trial;
