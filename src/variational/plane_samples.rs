@@ -25,12 +25,25 @@ struct Drawing {
 }
 
 /// An edge directed upward.
+#[derive(Debug, Clone, Copy)]
 struct DrawnEdge {
     low: DVec2,
     high: DVec2,
-    /// The label to its right.
+    /// The labels to its left and right.
+    left: Label,
     right: Label,
 }
+
+/// Where a row crosses an edge.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    at: f64,
+    left: Label,
+    right: Label,
+}
+
+/// Crossings so close, in spacings, may be in a wrong order.
+const ROUNDING: f64 = 1e-9;
 
 /// The known points in a box of lattices with a spacing in world units on all
 /// sections' planes, those for which `wanted` says yes; section by section, row
@@ -138,9 +151,9 @@ impl Drawing {
         let edges = section.edges().iter().map(|edge| {
             let (start, end) = (place(edge.start), place(edge.end));
             if start.y <= end.y {
-                DrawnEdge { low: start, high: end, right: edge.right }
+                DrawnEdge { low: start, high: end, left: edge.left, right: edge.right }
             } else {
-                DrawnEdge { low: end, high: start, right: edge.left }
+                DrawnEdge { low: end, high: start, left: edge.right, right: edge.left }
             }
         });
         Self { origin, sides, background: section.background(), edges: edges.collect() }
@@ -158,28 +171,45 @@ impl Drawing {
         let v = row as f64 * spacing;
         let start = self.origin + v * self.sides[1];
         let Some([from, to]) = part_in(bounds, start, self.sides[0]) else { return };
-        let mut crossings: Vec<(f64, Label)> = rows
+        let mut crossings: Vec<Crossing> = rows
             .edges(row)
             .iter()
             .map(|&number| {
-                let DrawnEdge { low, high, right, .. } = &self.edges[number as usize];
+                let DrawnEdge { low, high, left, right } = self.edges[number as usize];
                 let part = (v - low.y) / (high.y - low.y);
-                (low.x + part * (high.x - low.x), *right)
+                Crossing { at: low.x + part * (high.x - low.x), left, right }
             })
             .collect();
-        crossings.sort_by(|one, other| one.0.total_cmp(&other.0));
+        crossings.sort_by(|one, other| one.at.total_cmp(&other.at));
+        chain(&mut crossings, self.background, ROUNDING * spacing);
         let mut label = self.background;
         let mut crossings = crossings.into_iter().peekable();
         for column in (from / spacing).ceil() as i64..=(to / spacing).floor() as i64 {
             let u = column as f64 * spacing;
-            while let Some((_, beyond)) = crossings.next_if(|&(at, _)| at <= u) {
-                label = beyond;
+            while let Some(crossing) = crossings.next_if(|crossing| crossing.at <= u) {
+                label = crossing.right;
             }
             let at = start + u * self.sides[0];
             if label != Label::UNKNOWN && wanted(at) {
                 samples.push(PlaneSample { at, label });
             }
         }
+    }
+}
+
+/// Where contours touch, rounding can change the order in which a row crosses them,
+/// and all the rest of it would have the label of the wrong one. So of crossings that
+/// are close to each other that one comes next which begins with the label that is
+/// reached.
+fn chain(crossings: &mut [Crossing], background: Label, close: f64) {
+    let mut label = background;
+    for next in 0..crossings.len() {
+        let limit = crossings[next].at + close;
+        let candidates = (next..crossings.len()).take_while(|&one| crossings[one].at <= limit);
+        if let Some(fitting) = candidates.into_iter().find(|&one| crossings[one].left == label) {
+            crossings[next..=fitting].rotate_right(1);
+        }
+        label = crossings[next].right;
     }
 }
 
@@ -224,6 +254,28 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn where_contours_touch_a_row_goes_on_with_the_right_label() {
+        // From outside through something unknown into the label and out of it again; the
+        // way in comes first by rounding.
+        let crossing = |at, left, right| Crossing { at, left, right };
+        let [outside, label] = [Label::OUTSIDE, Label(1)];
+        let right = [
+            crossing(-0.5, outside, Label::UNKNOWN),
+            crossing(1.0, Label::UNKNOWN, outside),
+            crossing(1.0 - 1e-16, outside, label),
+            crossing(3.0, label, outside),
+        ];
+        let mut found = [right[0], right[2], right[1], right[3]];
+        chain(&mut found, outside, 1e-9);
+        let labels = |crossings: [Crossing; 4]| crossings.map(|one| [one.left, one.right]);
+        assert_eq!(labels(found), labels(right));
+        // Farther apart the order counts.
+        let mut found = [right[0], crossing(0.9, outside, label), right[1], right[3]];
+        chain(&mut found, outside, 1e-9);
+        assert_eq!(found[1].at, 0.9);
     }
 
     #[test]
