@@ -11,7 +11,7 @@
 //! ```
 //!
 //! where g is the signed distance to the surface as it was and λ = (voxel / ℓ)⁴
-//! ([`anchor`](super::anchor)); the last two sums hold the sections. What is longer
+//! (`anchor`); the last two sums hold the sections. What is longer
 //! than ℓ stays, shorter waves go unless a contour asks for them. ℓ is given in
 //! distances between sections, so that it depends neither on the voxels nor on the
 //! unit of the sections.
