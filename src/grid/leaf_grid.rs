@@ -161,6 +161,10 @@ impl LeafGrid {
         }
         self.leaves.truncate(kept);
         self.values.truncate(kept * LEAF_NODES);
+    }
+
+    /// Gives back the memory that others would be added in.
+    pub fn shrink_to_fit(&mut self) {
         self.values.shrink_to_fit();
     }
 

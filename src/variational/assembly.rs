@@ -126,6 +126,7 @@ impl Assembly<'_> {
                 let added = grid.add(valued.iter().copied());
                 grid.values_mut()[added.start * LEAF_NODES..].fill(FAR);
             }
+            grid.shrink_to_fit();
             (!grid.leaves().is_empty()).then_some(LabelValues { label, grid })
         };
         let fields = fields.into_par_iter().filter_map(own).collect();
