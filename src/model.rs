@@ -168,7 +168,7 @@ impl Ground<'_> {
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let (mut samples, device) = stages.run("field", |counts| {
             let solved = variational(&capping.sections, *bounds, lattice, method, progress)?;
-            counts.insert("leaves".into(), solved.samples.leaves.len() as u64);
+            counts.insert("leaves".into(), solved.samples.valued.len() as u64);
             counts.insert("unknowns".into(), solved.effort.unknowns);
             counts.insert("updates".into(), solved.effort.updates);
             counts.insert("specks".into(), solved.specks);
@@ -215,7 +215,7 @@ impl Ground<'_> {
             let starts = Starts::new(sections, boundaries.completion(), lattice);
             let sampling =
                 sample(&arrangement, field.as_ref(), &starts, lattice, Margin(1), progress)?;
-            counts.insert("leaves".into(), sampling.samples.leaves.len() as u64);
+            counts.insert("leaves".into(), sampling.samples.valued.len() as u64);
             counts.insert("evaluations".into(), sampling.points);
             Ok((sampling.samples, field.name()))
         })?;
@@ -244,7 +244,7 @@ impl Ground<'_> {
         stages.run("caps", |counts| {
             progress.begin("caps", 0);
             let specks = capping.cut(samples, self.sections, self.bounds);
-            counts.insert("leaves".into(), samples.leaves.len() as u64);
+            counts.insert("leaves".into(), samples.valued.len() as u64);
             counts.insert("specks".into(), specks as u64);
             debug_assert_eq!(samples.sanity_check(), Ok(()));
             Ok(())
@@ -276,7 +276,7 @@ impl Ground<'_> {
                 true => oracle.sample_labels(lattice, progress)?,
                 false => oracle.sample(lattice, progress)?,
             };
-            counts.insert("leaves".into(), samples.leaves.len() as u64);
+            counts.insert("leaves".into(), samples.valued.len() as u64);
             Ok(samples)
         })?;
         if !is_exact {

@@ -9,7 +9,7 @@ use transect::arrangement::Arrangement;
 use transect::field::{self, Boundaries, Device};
 use transect::grid::lattice::Resolution;
 use transect::grid::memory::estimate_memory;
-use transect::grid::samples::{Lattice, Leaf};
+use transect::grid::samples::Lattice;
 use transect::grid::sampling::{Margin, Starts, sample};
 use transect::io::read_sections;
 use transect::io::vdb::{GridName, VdbContents, VdbFile, write};
@@ -50,7 +50,7 @@ fn reconstructs(name: &str, voxels: u32) {
     let starts = Starts::new(list, boundaries.completion(), &lattice);
     let sampling =
         sample(&arrangement, field.as_ref(), &starts, &lattice, Margin(1), &Silent).unwrap();
-    let (leaves, points) = (sampling.samples.leaves.len(), sampling.points);
+    let (leaves, points) = (sampling.samples.valued.len(), sampling.points);
     clock.lap(&format!(
         "sampling: {leaves} leaves, {points} points, estimate {} MB",
         estimate >> 20
@@ -81,7 +81,7 @@ fn reconstructs(name: &str, voxels: u32) {
     clock.lap(&format!("VDB: {} MB", size >> 20));
     check(&VdbFile::read(&out).unwrap());
     clock.lap("checks");
-    assert!(samples.leaves.iter().flat_map(Leaf::labels).any(Label::is_material));
+    assert!(samples.leaves().flat_map(|leaf| leaf.labels()).any(Label::is_material));
 }
 
 fn check(file: &VdbFile) {

@@ -117,7 +117,7 @@ impl Work<'_> {
         stages.run("oracle", |counts| {
             let samples = &base.derived.samples;
             let found = base.oracle.sample_labels(&samples.lattice, self.progress)?;
-            counts.insert("leaves".into(), found.leaves.len() as u64);
+            counts.insert("leaves".into(), found.valued.len() as u64);
             Ok(Pair { field: LabelGrid::new(samples), skeleton: LabelGrid::new(&found) })
         })
     }

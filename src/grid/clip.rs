@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use crate::label::Label;
 use crate::plane::Plane;
 
-use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples, Values};
+use super::leaf::{LeafMut, LeafOf, LeafValues, NewLeaf};
+use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples, Values};
 
 /// What a material is where a tile becomes a leaf: as far inside as a leaf is wide.
 const DEEP: f64 = LEAF_SIDE as f64;
@@ -27,27 +28,27 @@ pub fn clip(samples: &mut Samples, planes: &[Plane]) {
     let cut_tile = |index: usize| {
         let (at, label) = (lattice.leaf_at(index), samples.tiles[index]);
         let is_cut = cut.place(at) == Place::Across && label.is_material();
-        (is_cut && samples.leaf(at).is_none()).then(|| filled(at, label, values))
+        (is_cut && !samples.is_valued(at)).then(|| filled(at, label, values))
     };
-    let added: Vec<Leaf> = (0..samples.tiles.len()).into_par_iter().filter_map(cut_tile).collect();
+    let added: Vec<NewLeaf> =
+        (0..samples.tiles.len()).into_par_iter().filter_map(cut_tile).collect();
     samples.tiles.par_iter_mut().enumerate().for_each(|(index, tile)| {
         if cut.place(lattice.leaf_at(index)) == Place::Beyond {
             *tile = Label::OUTSIDE;
         }
     });
-    samples.leaves.extend(added);
-    samples.leaves.retain(|leaf| cut.place(leaf.at) != Place::Beyond);
-    samples.leaves.par_sort_unstable_by_key(|leaf| leaf.at);
-    samples.leaves.par_iter_mut().for_each(|leaf| cut.clip(leaf, values));
+    samples.retain(|at| cut.place(at) != Place::Beyond);
+    samples.add(added);
+    samples.leaves_mut().par_iter_mut().for_each(|leaf| cut.clip(leaf, values));
 }
 
 /// A leaf of one material.
-fn filled(at: [i32; 3], label: Label, values: Values) -> Leaf {
+fn filled(at: [i32; 3], label: Label, values: Values) -> NewLeaf {
     let value = match values {
         Values::Indicators => 1.0,
         Values::Distances => DEEP as f32,
     };
-    Leaf { at, materials: vec![LeafValues { label, values: vec![value; LEAF_NODES] }] }
+    LeafOf { at, materials: vec![LeafValues { label, values: Box::new([value; LEAF_NODES]) }] }
 }
 
 /// Where a leaf's nodes, and those next to it, lie.
@@ -100,7 +101,7 @@ impl Cut {
         depths.fold(f64::INFINITY, f64::min)
     }
 
-    fn clip(&self, leaf: &mut Leaf, values: Values) {
+    fn clip(&self, leaf: &mut LeafMut, values: Values) {
         for node in 0..LEAF_NODES {
             let depth = self.depth(leaf.node(node));
             let outside = leaf.share(node, Label::OUTSIDE);
@@ -117,7 +118,7 @@ impl Cut {
 
 /// Makes the lead of a node's best material over *outside* smaller. Materials keep
 /// their order.
-fn yield_lead(leaf: &mut Leaf, node: usize, values: Values, [from, to]: [f64; 2]) {
+fn yield_lead(leaf: &mut LeafMut, node: usize, values: Values, [from, to]: [f64; 2]) {
     for own in &mut leaf.materials {
         let value = f64::from(own.values[node]);
         let is_outside = own.label == Label::OUTSIDE;
@@ -166,10 +167,8 @@ mod tests {
                 }
             }
         });
-        for leaf in &mut ball.leaves {
-            // The helper counts from 1; here the first is outside.
-            leaf.materials.iter_mut().for_each(|own| own.label = Label(own.label.0 - 1));
-        }
+        // The helper counts from 1; here the first is outside.
+        ball.fields.iter_mut().for_each(|field| field.label = Label(field.label.0 - 1));
         ball.values = values;
         tiled(ball)
     }
@@ -191,7 +190,7 @@ mod tests {
         for (index, tile) in samples.tiles.iter_mut().enumerate() {
             *tile = labels.at(LATTICE.leaf_at(index).map(|along| along * LEAF_SIDE as i32));
         }
-        samples.leaves.retain(|leaf| is_kept(leaf.at));
+        samples.retain(is_kept);
         samples.sanity_check().unwrap();
         samples
     }

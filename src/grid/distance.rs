@@ -7,6 +7,7 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::leaf_grid::{LeafGrid, around};
 use super::samples::{LEAF_SIDE, Lattice};
 use super::winding::Columns;
 
@@ -19,19 +20,10 @@ use triangle::Triangle;
 pub const HALF_WIDTH: f64 = 3.0;
 const SIDE: i32 = LEAF_SIDE as i32;
 
-/// Signed distances near a surface.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NarrowBand {
-    /// Leaves with a node nearer than [`HALF_WIDTH`] voxels, sorted; also
-    /// some beyond the lattice, where the surface is near its border.
-    pub leaves: Vec<[i32; 3]>,
-    /// 512 values a leaf, in voxels, negative inside, cut off at
-    /// ±[`HALF_WIDTH`].
-    pub values: Vec<f32>,
-}
-
-/// The band around a closed mesh, on the nodes of a lattice.
-pub fn narrow_band(lattice: &Lattice, vertices: &[DVec3], triangles: &[[u32; 3]]) -> NarrowBand {
+/// Signed distances to a closed mesh, on the nodes of a lattice: in voxels, negative
+/// inside, cut off at ±[`HALF_WIDTH`]. Leaves are those with a nearer node, sorted; also
+/// some beyond the lattice, where the surface is near its border.
+pub fn narrow_band(lattice: &Lattice, vertices: &[DVec3], triangles: &[[u32; 3]]) -> LeafGrid {
     band_around(lattice, vertices, triangles, triangles)
 }
 
@@ -42,16 +34,19 @@ pub fn band_around(
     vertices: &[DVec3],
     triangles: &[[u32; 3]],
     near: &[[u32; 3]],
-) -> NarrowBand {
+) -> LeafGrid {
     let vertices = in_voxels(lattice, vertices);
     let columns = Columns::new(&vertices, triangles);
     let bins = Bins::new(&vertices, near);
     let leaf = |at| band_leaf(&bins, &columns, at).map(|values| (at, values));
     let found: Vec<([i32; 3], Vec<f32>)> =
         bins.neighborhood().into_par_iter().filter_map(leaf).collect();
-    let leaves = found.iter().map(|(at, _)| *at).collect();
-    let values = found.into_iter().flat_map(|(_, values)| values).collect();
-    NarrowBand { leaves, values }
+    let leaves: Vec<[i32; 3]> = found.iter().map(|(at, _)| *at).collect();
+    let mut band = LeafGrid::with_leaves(&leaves);
+    for ((_, own), (_, values)) in band.iter_mut().zip(found) {
+        own.copy_from_slice(&values);
+    }
+    band
 }
 
 fn in_voxels(lattice: &Lattice, vertices: &[DVec3]) -> Vec<DVec3> {
@@ -191,12 +186,6 @@ impl<'a> Bins<'a> {
             (leaf == nearest).then_some(local)
         })
     }
-}
-
-/// The 27 leaves around and with a leaf.
-fn around(at: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
-    let step = |index: i32| [index / 9 - 1, index / 3 % 3 - 1, index % 3 - 1];
-    (0..27).map(move |index| std::array::from_fn(|axis| at[axis] + step(index)[axis]))
 }
 
 /// The first and the last leaf that a triangle's box overlaps.

@@ -2,7 +2,8 @@
 
 use crate::label::Label;
 
-use super::samples::{LEAF_NODES, LEAF_SIDE, Leaf, Samples, Values};
+use super::leaf::Leaf;
+use super::samples::{LEAF_NODES, LEAF_SIDE, LabelValues, Samples, Values};
 
 /// The node of a leaf with these offsets.
 pub fn node_index([x, y, z]: [usize; 3]) -> usize {
@@ -43,13 +44,25 @@ pub(super) fn check(samples: &Samples) -> Result<(), String> {
     if samples.tiles.len() as u64 != lattice.leaf_count() {
         return Err(format!("{} tiles for {} leaves", samples.tiles.len(), lattice.leaf_count()));
     }
-    if !samples.leaves.is_sorted_by(|a, b| a.at < b.at) {
+    if !samples.valued.is_sorted_by(|a, b| a < b) {
         return Err("leaves are not sorted, or not distinct".to_owned());
     }
-    for leaf in &samples.leaves {
-        check_leaf(samples, leaf)?;
+    if !samples.fields.is_sorted_by(|a, b| a.label < b.label) {
+        return Err("labels are not sorted, or not distinct".to_owned());
     }
+    samples.fields.iter().try_for_each(|field| check_field(samples, field))?;
+    samples.leaves().try_for_each(|leaf| check_leaf(samples, &leaf))?;
     (0..samples.tiles.len()).try_for_each(|index| check_tile(samples, lattice.leaf_at(index)))
+}
+
+fn check_field(samples: &Samples, LabelValues { label, grid }: &LabelValues) -> Result<(), String> {
+    if *label == Label::UNKNOWN || grid.leaves().is_empty() {
+        return Err(format!("label {label}, near {} leaves", grid.leaves().len()));
+    }
+    match grid.leaves().iter().find(|&&at| !samples.is_valued(at)) {
+        Some(at) => Err(format!("label {label} has values in {at:?}, which is no such leaf")),
+        None => Ok(()),
+    }
 }
 
 fn check_leaf(samples: &Samples, leaf: &Leaf) -> Result<(), String> {
@@ -58,20 +71,14 @@ fn check_leaf(samples: &Samples, leaf: &Leaf) -> Result<(), String> {
         return Err(format!("leaf {at:?} is not in the lattice"));
     }
     for material in &leaf.materials {
-        let label = material.label;
-        if label == Label::UNKNOWN || material.values.len() != LEAF_NODES {
-            return Err(format!("leaf {at:?}: label {label}, {} values", material.values.len()));
-        }
         let may_be = |value: &f32| match samples.values {
             Values::Indicators => (-1.0..=1.0).contains(value),
             Values::Distances => value.is_finite(),
         };
         if !material.values.iter().all(may_be) {
+            let label = material.label;
             return Err(format!("leaf {at:?}: label {label} has values that it cannot have"));
         }
-    }
-    if !leaf.materials.is_sorted_by(|a, b| a.label < b.label) {
-        return Err(format!("leaf {at:?}: materials are not sorted, or not distinct"));
     }
     let labels = leaf.labels();
     if samples.open.is_none() {
@@ -80,7 +87,7 @@ fn check_leaf(samples: &Samples, leaf: &Leaf) -> Result<(), String> {
     for (axis, forward) in faces() {
         let next = neighbor(at, axis, forward);
         let closed = !samples.lattice.has_leaf(next)
-            || samples.leaf(next).is_some()
+            || samples.is_valued(next)
             || !differs_near_face(&labels, axis, forward, 1, tile(samples, next));
         if !closed {
             return Err(format!("a surface leaves the leaves from {at:?} to {next:?}"));
@@ -105,7 +112,7 @@ fn check_outermost(samples: &Samples, at: [i32; 3], labels: &[Label]) -> Result<
 }
 
 fn check_tile(samples: &Samples, at: [i32; 3]) -> Result<(), String> {
-    if samples.leaf(at).is_some() {
+    if samples.is_valued(at) {
         return Ok(());
     }
     let label = tile(samples, at);
@@ -115,7 +122,7 @@ fn check_tile(samples: &Samples, at: [i32; 3]) -> Result<(), String> {
             if label != Label::OUTSIDE {
                 return Err(format!("tile {at:?} is outermost and {label}"));
             }
-        } else if samples.leaf(next).is_none() && tile(samples, next) != label {
+        } else if !samples.is_valued(next) && tile(samples, next) != label {
             return Err(format!("tiles {at:?} and {next:?} differ"));
         }
     }

@@ -28,10 +28,10 @@ impl LabelGrid {
     /// Of samples.
     pub fn new(samples: &Samples) -> Self {
         let mut starts = vec![TILE; samples.tiles.len()];
-        for (index, leaf) in samples.leaves.iter().enumerate() {
-            starts[samples.lattice.leaf_index(leaf.at)] = index * LEAF_NODES;
+        for (index, &at) in samples.valued.iter().enumerate() {
+            starts[samples.lattice.leaf_index(at)] = index * LEAF_NODES;
         }
-        let values = samples.leaves.par_iter().flat_map_iter(|leaf| leaf.labels()).collect();
+        let values = samples.par_leaves().flat_map_iter(|leaf| leaf.labels()).collect();
         let (lattice, is_open) = (samples.lattice, samples.open.is_some());
         Self { lattice, is_open, starts, tiles: samples.tiles.clone(), values }
     }
@@ -41,8 +41,8 @@ impl LabelGrid {
         (self.starts[leaf] == TILE).then(|| self.tiles[leaf])
     }
 
-    /// The labels of a leaf's nodes, in their order in
-    /// [`LeafValues::values`](super::samples::LeafValues::values).
+    /// The labels of a leaf's nodes, in the order of
+    /// [`LeafNodes`](super::leaf::LeafNodes).
     pub fn leaf(&self, leaf: usize) -> Vec<Label> {
         match self.starts[leaf] {
             TILE => vec![self.tiles[leaf]; LEAF_NODES],

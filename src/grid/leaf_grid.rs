@@ -2,6 +2,7 @@
 //! one flat slice, found by a leaf's place.
 
 use super::invariant::node_index;
+use super::leaf::LeafNodes;
 use super::samples::{LEAF_NODES, LEAF_SIDE};
 
 /// In place of a slot where a leaf has none.
@@ -11,7 +12,7 @@ const SIDE: i32 = LEAF_SIDE as i32;
 
 /// Leaves with values. A leaf is named by its first node divided by
 /// [`LEAF_SIDE`], and its values lie in the *slot* that it got when it was added.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LeafGrid {
     /// The first leaf that may be there, and how many along each axis.
     first: [i32; 3],
@@ -20,8 +21,7 @@ pub struct LeafGrid {
     slots: Vec<u32>,
     /// For every slot its leaf.
     leaves: Vec<[i32; 3]>,
-    /// For every slot [`LEAF_NODES`] values; node (x, y, z) of a leaf is at
-    /// `x * 64 + y * 8 + z`, as in OpenVDB.
+    /// For every slot the values of a [`LeafNodes`].
     values: Vec<f32>,
 }
 
@@ -33,6 +33,16 @@ impl LeafGrid {
         let dims: [i32; 3] = std::array::from_fn(|axis| (end[axis] - first[axis]).max(0));
         let count: usize = dims.iter().map(|&side| side as usize).product();
         Self { first, dims, slots: vec![NO_SLOT; count], leaves: Vec::new(), values: Vec::new() }
+    }
+
+    /// With some leaves, their values zero, and no room for others.
+    pub fn with_leaves(leaves: &[[i32; 3]]) -> Self {
+        let along = |axis: usize| leaves.iter().map(move |leaf| leaf[axis]);
+        let low = std::array::from_fn(|axis| along(axis).min().unwrap_or(0) * SIDE);
+        let high = std::array::from_fn(|axis| along(axis).max().map_or(0, |last| last + 1) * SIDE);
+        let mut grid = Self::new(low, high);
+        grid.add(leaves.iter().copied());
+        grid
     }
 
     /// Leaves by their slots alone, without values.
@@ -69,8 +79,30 @@ impl LeafGrid {
     }
 
     /// The values in a slot.
-    pub fn leaf(&self, slot: u32) -> &[f32; LEAF_NODES] {
+    pub fn leaf(&self, slot: u32) -> &LeafNodes {
         &self.values.as_chunks().0[slot as usize]
+    }
+
+    /// The values in a slot, to be changed.
+    pub fn leaf_mut(&mut self, slot: u32) -> &mut LeafNodes {
+        &mut self.values.as_chunks_mut().0[slot as usize]
+    }
+
+    /// The values of a leaf, where it is there.
+    pub fn get(&self, leaf: [i32; 3]) -> Option<&LeafNodes> {
+        let slot = self.slot(leaf);
+        (slot != NO_SLOT).then(|| self.leaf(slot))
+    }
+
+    /// The same, to be changed.
+    pub fn get_mut(&mut self, leaf: [i32; 3]) -> Option<&mut LeafNodes> {
+        let slot = self.slot(leaf);
+        (slot != NO_SLOT).then(|| self.leaf_mut(slot))
+    }
+
+    /// All leaves with their values, slot by slot, these to be changed.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = ([i32; 3], &mut LeafNodes)> {
+        self.leaves.iter().copied().zip(self.values.as_chunks_mut().0)
     }
 
     /// All values, slot by slot.
@@ -85,9 +117,8 @@ impl LeafGrid {
 
     /// The value of a node, where its leaf is there.
     pub fn value(&self, node: [i32; 3]) -> Option<f32> {
-        let slot = self.slot(node.map(|along| along.div_euclid(SIDE)));
         let inner = node.map(|along| along.rem_euclid(SIDE) as usize);
-        (slot != NO_SLOT).then(|| self.leaf(slot)[node_index(inner)])
+        self.get(leaf_of(node)).map(|leaf| leaf[node_index(inner)])
     }
 
     /// Adds leaves that are not there and may be, in their order, with values
@@ -105,6 +136,38 @@ impl LeafGrid {
         before..self.leaves.len()
     }
 
+    /// Adds a leaf that is not there and may be, with its values.
+    pub fn insert(&mut self, leaf: [i32; 3], values: &LeafNodes) {
+        let added = self.add([leaf]);
+        if !added.is_empty() {
+            *self.leaf_mut(added.start as u32) = *values;
+        }
+    }
+
+    /// Removes the leaves that are not to be kept; the others move up, in their order.
+    pub fn retain(&mut self, keep: impl Fn([i32; 3], &LeafNodes) -> bool) {
+        let mut kept = 0;
+        for slot in 0..self.leaves.len() {
+            let leaf = self.leaves[slot];
+            let is_kept = keep(leaf, self.leaf(slot as u32));
+            let place = self.place(leaf);
+            self.slots[place] = if is_kept { kept as u32 } else { NO_SLOT };
+            if is_kept {
+                self.leaves[kept] = leaf;
+                let start = slot * LEAF_NODES;
+                self.values.copy_within(start..start + LEAF_NODES, kept * LEAF_NODES);
+                kept += 1;
+            }
+        }
+        self.leaves.truncate(kept);
+        self.values.truncate(kept * LEAF_NODES);
+    }
+
+    /// Gives back the memory that others would be added in.
+    pub fn shrink_to_fit(&mut self) {
+        self.values.shrink_to_fit();
+    }
+
     /// The values of the `SIDES`³ nodes from `low` on, in a buffer of that
     /// size, z fastest; 0 where there is no leaf.
     pub fn gather<const SIDES: usize>(&self, low: [i32; 3], out: &mut [f32]) {
@@ -114,9 +177,8 @@ impl LeafGrid {
         for x in leaf_of(low[0])..=leaf_of(high[0] - 1) {
             for y in leaf_of(low[1])..=leaf_of(high[1] - 1) {
                 for z in leaf_of(low[2])..=leaf_of(high[2] - 1) {
-                    let slot = self.slot([x, y, z]);
-                    if slot != NO_SLOT {
-                        copy_common::<SIDES>(self.leaf(slot), [x, y, z], low, out);
+                    if let Some(leaf) = self.get([x, y, z]) {
+                        copy_common::<SIDES>(leaf, [x, y, z], low, out);
                     }
                 }
             }
@@ -179,7 +241,7 @@ impl LeafSet {
 
 /// Copies the nodes that a leaf and a cube of `SIDES`³ nodes have in common.
 fn copy_common<const SIDES: usize>(
-    values: &[f32; LEAF_NODES],
+    values: &LeafNodes,
     leaf: [i32; 3],
     low: [i32; 3],
     out: &mut [f32],
@@ -248,6 +310,25 @@ mod tests {
         }
         assert_eq!(grid.value([8, 0, 16]), None, "in the leaf that is left out");
         assert_eq!(grid.value([24, 0, 0]), None, "beyond the grid");
+    }
+
+    #[test]
+    fn what_is_kept_is_found() {
+        let all = grid([1, 0, 2]);
+        let is_kept = |[x, y, z]: [i32; 3]| (x + y + z) % 2 == 0;
+        let mut some = all.clone();
+        some.retain(|leaf, values| {
+            assert_eq!(values[0], number(leaf.map(|along| along * SIDE)));
+            is_kept(leaf)
+        });
+        assert!(some.leaves().is_sorted() && some.values().len() == 32 * LEAF_NODES);
+        for leaf in all.all_places() {
+            assert_eq!(some.get(leaf), all.get(leaf).filter(|_| is_kept(leaf)), "{leaf:?}");
+        }
+        // Others come after them.
+        some.insert([1, 0, 2], &[3.0; LEAF_NODES]);
+        assert_eq!((some.slot([1, 0, 2]), some.value([8, 0, 16])), (32, Some(3.0)));
+        assert_eq!(some.value([0, 0, 0]), Some(number([0, 0, 0])));
     }
 
     #[test]

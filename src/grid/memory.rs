@@ -11,6 +11,8 @@ use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 
 /// A tile's label and whether its leaf is evaluated.
 const BYTES_PER_TILE: u64 = 5;
+/// For each material where a leaf's values are.
+const BYTES_PER_SLOT: u64 = 4;
 /// Besides its values, what a leaf brings along in the stages that follow:
 /// the mesh with its connectivity and the level set.
 const BYTES_PER_LEAF: u64 = 24 << 10;
@@ -31,7 +33,8 @@ pub fn estimate_memory(lattice: &Lattice, sections: &[Section], materials: usize
     // Rarely more than two materials meet in a leaf.
     let values = COPIES * materials.clamp(1, 2) as u64 * (LEAF_NODES * size_of::<f32>()) as u64;
     let leaves = leaves.saturating_mul(values + BYTES_PER_LEAF);
-    tiles.saturating_mul(BYTES_PER_TILE).saturating_add(leaves)
+    let tile = BYTES_PER_TILE + BYTES_PER_SLOT * materials as u64;
+    tiles.saturating_mul(tile).saturating_add(leaves)
 }
 
 /// Refuses a grid that would not fit.

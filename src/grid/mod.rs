@@ -1,4 +1,4 @@
-//! The grid: the field sampled sparsely in an OpenVDB tree.
+//! The grid: the field sampled sparsely, in leaves as OpenVDB has them.
 //!
 //! ```text
 //! lattice ─► contour (voxels that contours pass) ─► sampling ─► samples
@@ -12,6 +12,7 @@ pub mod evidence;
 pub(crate) mod invariant;
 pub mod labels;
 pub mod lattice;
+pub mod leaf;
 pub mod leaf_grid;
 mod locate;
 pub mod memory;

@@ -1,11 +1,14 @@
-//! The field's values at lattice nodes near the surface, as flat arrays: what
-//! comes out of sampling and out of the OpenVDB tree, and what the mesher
-//! reads.
+//! The field's values at lattice nodes near the surface, a [`LeafGrid`] for each
+//! label: what fields are sampled into, and what meshers read.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::label::Label;
 use crate::plane::Bounds;
+
+use super::leaf::{Leaf, LeafMut, LeafNodes, LeafOf, LeafValues, NewLeaf};
+use super::leaf_grid::LeafGrid;
 
 /// Nodes of a leaf along each axis, as in OpenVDB.
 pub const LEAF_SIDE: usize = 8;
@@ -86,98 +89,40 @@ impl Values {
     }
 }
 
-/// One label's values in one leaf.
+/// One label's values, in all leaves that it is near to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeafValues {
+pub struct LabelValues {
     /// The label: a material, or *outside* where it has values of its own.
     pub label: Label,
-    /// [`LEAF_NODES`] values; node (x, y, z) of the leaf is at
-    /// `x * 64 + y * 8 + z`, as in OpenVDB.
-    pub values: Vec<f32>,
+    /// The values.
+    pub grid: LeafGrid,
 }
 
-/// A leaf whose nodes have values of their own.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Leaf {
-    /// Its first node, divided by [`LEAF_SIDE`].
-    pub at: [i32; 3],
-    /// The labels that are near, sorted. Where *outside* is not among them it is
-    /// implied: (f + 1) / 2 summed up over all labels makes 1, so beside a single
-    /// material it is −f.
-    pub materials: Vec<LeafValues>,
-}
-
-impl Leaf {
-    /// How much of a node is this label: (f + 1) / 2, which for indicators is a
-    /// share in [0, 1]. A label that is not near has none.
-    pub fn share(&self, node: usize, label: Label) -> f64 {
-        let own = self.materials.iter().find(|material| material.label == label);
-        match own {
-            Some(own) => share(own, node),
-            None if label == Label::OUTSIDE => {
-                1.0 - self.materials.iter().map(|material| share(material, node)).sum::<f64>()
-            }
-            None => 0.0,
-        }
+impl LabelValues {
+    fn in_leaf(&self, at: [i32; 3]) -> Option<LeafValues<&LeafNodes>> {
+        Some(LeafValues { label: self.label, values: self.grid.get(at)? })
     }
 
-    /// The labels other than *outside* that are near, each with its values.
-    fn own_materials(&self) -> &[LeafValues] {
-        let own = self.materials.first().is_some_and(|first| first.label == Label::OUTSIDE);
-        &self.materials[usize::from(own)..]
+    fn in_leaf_mut(&mut self, at: [i32; 3]) -> Option<LeafValues<&mut LeafNodes>> {
+        Some(LeafValues { label: self.label, values: self.grid.get_mut(at)? })
     }
-
-    /// One of its nodes in the lattice.
-    pub fn node(&self, node: usize) -> [i32; 3] {
-        let offset = super::invariant::node_offset(node);
-        std::array::from_fn(|axis| self.at[axis] * LEAF_SIDE as i32 + offset[axis] as i32)
-    }
-
-    /// How far every node's label leads over the second best: the difference of
-    /// their values, for indicators from 0 to 2.
-    pub fn margins(&self) -> Vec<f32> {
-        let margin = |node: usize| {
-            let outside = self.share(node, Label::OUTSIDE);
-            let shares = self.own_materials().iter().map(|own| share(own, node));
-            let [best, second] = shares.fold([outside, 0.0], |[best, second], share: f64| {
-                [best.max(share), second.max(best.min(share))]
-            });
-            (2.0 * (best - second)).max(0.0) as f32
-        };
-        (0..LEAF_NODES).map(margin).collect()
-    }
-
-    /// The label of every node: the one with the largest share, of equals the
-    /// smallest.
-    pub fn labels(&self) -> Vec<Label> {
-        (0..LEAF_NODES)
-            .map(|node| {
-                let outside = (Label::OUTSIDE, self.share(node, Label::OUTSIDE));
-                let materials = self.own_materials().iter();
-                let materials = materials.map(|material| (material.label, share(material, node)));
-                materials.fold(outside, |best, next| if next.1 > best.1 { next } else { best }).0
-            })
-            .collect()
-    }
-}
-
-fn share(own: &LeafValues, node: usize) -> f64 {
-    (f64::from(own.values[node]) + 1.0) / 2.0
 }
 
 /// Leaves near the surface, and one label for each of the others.
 ///
 /// Invariant: where two neighbouring nodes have different labels, both lie in
-/// leaves of [`Samples::leaves`] or have the labels of [`Samples::tiles`]; the
+/// leaves of [`Samples::valued`] or have the labels of [`Samples::tiles`]; the
 /// label of every node of the lattice is thus defined. The outermost nodes of
 /// the lattice are outside, unless the box is open.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
     /// Where the nodes are.
     pub lattice: Lattice,
-    /// Sorted by `at`.
-    pub leaves: Vec<Leaf>,
-    /// For every leaf of the lattice its label where it is not in `leaves`,
+    /// The leaves whose nodes have values of their own, sorted.
+    pub valued: Vec<[i32; 3]>,
+    /// The labels that are near some of them, sorted; each has values in those.
+    pub fields: Vec<LabelValues>,
+    /// For every leaf of the lattice its label where it is not in `valued`,
     /// x slowest, z fastest.
     pub tiles: Vec<Label>,
     /// The box, when it is open: materials reach up to its faces, and nodes
@@ -190,14 +135,90 @@ pub struct Samples {
 }
 
 impl Samples {
+    /// Of tiles alone: no leaf has values.
+    pub fn new(lattice: Lattice, tiles: Vec<Label>, open: Option<Bounds>, values: Values) -> Self {
+        Self { lattice, valued: Vec::new(), fields: Vec::new(), tiles, open, values }
+    }
+
+    /// Adds leaves of the lattice that have no values yet.
+    pub fn add(&mut self, leaves: impl IntoIterator<Item = NewLeaf>) {
+        for LeafOf { at, materials } in leaves {
+            self.valued.push(at);
+            for LeafValues { label, values } in materials {
+                self.grid_of(label).insert(at, &values);
+            }
+        }
+        // Those that were there are in order, which this kind of sorting makes use of.
+        self.valued.sort();
+    }
+
+    /// A label's values, without any if there are none so far.
+    fn grid_of(&mut self, label: Label) -> &mut LeafGrid {
+        let place = self.fields.partition_point(|field| field.label < label);
+        if self.fields.get(place).is_none_or(|field| field.label != label) {
+            let grid = LeafGrid::new([0; 3], self.lattice.dims);
+            self.fields.insert(place, LabelValues { label, grid });
+        }
+        &mut self.fields[place].grid
+    }
+
+    /// Takes the values of leaves away; they are then what their tiles are.
+    pub fn retain(&mut self, keep: impl Fn([i32; 3]) -> bool + Sync) {
+        self.valued.retain(|&at| keep(at));
+        self.fields.par_iter_mut().for_each(|field| field.grid.retain(|at, _| keep(at)));
+        self.fields.retain(|field| !field.grid.leaves().is_empty());
+    }
+
+    /// Whether a leaf has values of its own.
+    pub fn is_valued(&self, at: [i32; 3]) -> bool {
+        self.valued.binary_search(&at).is_ok()
+    }
+
     /// The leaf at `at`, where it has values of its own.
-    pub fn leaf(&self, at: [i32; 3]) -> Option<&Leaf> {
-        self.leaves.binary_search_by_key(&at, |leaf| leaf.at).ok().map(|index| &self.leaves[index])
+    pub fn leaf(&self, at: [i32; 3]) -> Option<Leaf<'_>> {
+        self.is_valued(at).then(|| self.view(at))
+    }
+
+    /// The same, to be changed.
+    pub fn leaf_mut(&mut self, at: [i32; 3]) -> Option<LeafMut<'_>> {
+        self.is_valued(at).then(|| {
+            let own = self.fields.iter_mut().filter_map(|field| field.in_leaf_mut(at));
+            LeafOf { at, materials: own.collect() }
+        })
+    }
+
+    /// All leaves with values of their own, in their order.
+    pub fn leaves(&self) -> impl Iterator<Item = Leaf<'_>> {
+        self.valued.iter().map(|&at| self.view(at))
+    }
+
+    /// The same for all threads.
+    pub fn par_leaves(&self) -> impl IndexedParallelIterator<Item = Leaf<'_>> {
+        self.valued.par_iter().map(|&at| self.view(at))
+    }
+
+    /// The same, to be changed by whichever thread.
+    pub fn leaves_mut(&mut self) -> Vec<LeafMut<'_>> {
+        let leaf = |&at: &[i32; 3]| LeafOf { at, materials: Vec::new() };
+        let mut leaves: Vec<LeafMut> = self.valued.iter().map(leaf).collect();
+        for LabelValues { label, grid } in &mut self.fields {
+            for (at, values) in grid.iter_mut() {
+                if let Ok(place) = self.valued.binary_search(&at) {
+                    leaves[place].materials.push(LeafValues { label: *label, values });
+                }
+            }
+        }
+        leaves
+    }
+
+    fn view(&self, at: [i32; 3]) -> Leaf<'_> {
+        let own = self.fields.iter().filter_map(|field| field.in_leaf(at));
+        LeafOf { at, materials: own.collect() }
     }
 
     /// The materials that occur, sorted.
     pub fn materials(&self) -> Vec<Label> {
-        let valued = self.leaves.iter().flat_map(|leaf| &leaf.materials).map(|own| own.label);
+        let valued = self.fields.iter().map(|field| field.label);
         let mut labels: Vec<Label> =
             valued.chain(self.tiles.iter().copied()).filter(|label| label.is_material()).collect();
         labels.sort_unstable();
@@ -211,23 +232,5 @@ impl Samples {
     /// What does not, and where.
     pub fn sanity_check(&self) -> std::result::Result<(), String> {
         super::invariant::check(self)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_margin_is_the_lead_over_the_second_best() {
-        let own =
-            |label, value| LeafValues { label: Label(label), values: vec![value; LEAF_NODES] };
-        let margin = |materials| Leaf { at: [0; 3], materials }.margins()[100];
-        // Shares of 0.6, 0.3 and, outside, 0.1.
-        assert!((margin(vec![own(1, 0.2), own(2, -0.4)]) - 0.6).abs() < 1e-6);
-        // Shares of 0.25 and, outside, 0.75.
-        assert!((margin(vec![own(4, -0.5)]) - 1.0).abs() < 1e-6);
-        assert_eq!(margin(vec![own(4, 1.0)]), 2.0);
-        assert_eq!(margin(vec![]), 2.0);
     }
 }

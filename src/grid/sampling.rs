@@ -12,8 +12,9 @@ use crate::section::Section;
 
 use super::contour::{corners, pierced_voxels, segments};
 use super::invariant::{differs_near_face, faces, neighbor, node_offset};
+use super::leaf::{Leaf, LeafOf, LeafValues, NewLeaf};
 use super::locate::{Cells, leaf_cells, node_cell, place};
-use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples, Values};
+use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples, Values};
 
 mod batch;
 
@@ -119,10 +120,9 @@ struct Sampler<'a> {
 
 /// What is known so far.
 struct State {
-    tiles: Vec<Label>,
+    samples: Samples,
     /// For every leaf of the lattice whether it is evaluated or about to be.
     taken: Vec<bool>,
-    leaves: Vec<Leaf>,
     points: u64,
 }
 
@@ -131,8 +131,10 @@ impl Sampler<'_> {
         self.progress.begin("sampling", 0);
         let (tiles, points) = self.coarse_labels()?;
         let taken = vec![false; tiles.len()];
-        let mut state = State { tiles, taken, leaves: Vec::new(), points };
-        starts.extend(self.coarse_changes(&state.tiles));
+        starts.extend(self.coarse_changes(&tiles));
+        let open = self.cells.is_open().then(|| self.cells.bounds());
+        let samples = Samples::new(self.lattice, tiles, open, Values::Indicators);
+        let mut state = State { samples, taken, points };
         let mut wave = self.take(starts, &mut state.taken);
         while !wave.is_empty() {
             let mut next = Vec::new();
@@ -142,12 +144,7 @@ impl Sampler<'_> {
             }
             wave = self.take(next, &mut state.taken);
         }
-        state.leaves.par_sort_unstable_by_key(|leaf| leaf.at);
-        let State { leaves, tiles, .. } = state;
-        let open = self.cells.is_open().then(|| self.cells.bounds());
-        let samples =
-            Samples { lattice: self.lattice, leaves, tiles, open, values: Values::Indicators };
-        Ok(Sampling { samples, points: state.points })
+        Ok(Sampling { samples: state.samples, points: state.points })
     }
 
     /// Sorts leaves, drops those taken already, and takes the others.
@@ -206,11 +203,11 @@ impl Sampler<'_> {
         };
         let batch = Batch::evaluate(self.field, cells, position)?;
         state.points += batch.points;
-        let first = state.leaves.len();
         let leaf = |(index, &at): (usize, &[i32; 3])| collect_leaf(&batch, index, at);
-        state.leaves.par_extend(leaves.par_iter().enumerate().map(leaf));
-        let next = |leaf: &Leaf| self.nearby(leaf, &state.tiles);
-        Ok(state.leaves[first..].par_iter().flat_map_iter(next).collect())
+        let found: Vec<NewLeaf> = leaves.par_iter().enumerate().map(leaf).collect();
+        state.samples.add(found);
+        let found = leaves.par_iter().filter_map(|&at| state.samples.leaf(at));
+        Ok(found.flat_map_iter(|leaf| self.nearby(&leaf, &state.samples.tiles)).collect())
     }
 
     /// The neighbours of a leaf whose tile differs from a node near them.
@@ -228,11 +225,10 @@ impl Sampler<'_> {
 }
 
 /// The leaf made of the batch's `index`-th 512 nodes.
-fn collect_leaf(batch: &Batch, index: usize, at: [i32; 3]) -> Leaf {
+fn collect_leaf(batch: &Batch, index: usize, at: [i32; 3]) -> NewLeaf {
     let nodes = index * LEAF_NODES..(index + 1) * LEAF_NODES;
-    let absent = |label| LeafValues { label, values: vec![-1.0; LEAF_NODES] };
-    let mut materials: Vec<LeafValues> =
-        batch.materials(nodes.clone()).into_iter().map(absent).collect();
+    let absent = |label| LeafValues { label, values: Box::new([-1.0; LEAF_NODES]) };
+    let mut materials: Vec<_> = batch.materials(nodes.clone()).into_iter().map(absent).collect();
     for (node, id) in nodes.enumerate() {
         for (label, value) in batch.node(id) {
             if let Ok(own) = materials.binary_search_by_key(&label, |own| own.label) {
@@ -241,7 +237,7 @@ fn collect_leaf(batch: &Batch, index: usize, at: [i32; 3]) -> Leaf {
         }
     }
     materials.retain(|own| own.values.iter().any(|&value| value > -1.0));
-    Leaf { at, materials }
+    LeafOf { at, materials }
 }
 
 #[cfg(test)]

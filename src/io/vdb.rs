@@ -10,7 +10,8 @@ use crate::ffi::vdb as ffi;
 use crate::grid::distance::{HALF_WIDTH, narrow_band};
 use crate::grid::evidence::Evidence;
 use crate::grid::labels::LabelGrid;
-use crate::grid::samples::{Lattice, Leaf, Samples};
+use crate::grid::leaf::Leaf;
+use crate::grid::samples::{Lattice, Samples};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::section::Section;
@@ -182,8 +183,8 @@ impl<'a> Builder<'a> {
             return ffi::add_alias(self.volumes.pin_mut(), same, name).map_err(library);
         }
         let band = narrow_band(self.contents.lattice, &self.contents.mesh.vertices, &triangles);
-        let leaves = band.leaves.as_flattened();
-        ffi::add_level_set(self.volumes.pin_mut(), name, HALF_WIDTH, leaves, &band.values)
+        let (leaves, values) = (band.leaves().as_flattened(), band.values());
+        ffi::add_level_set(self.volumes.pin_mut(), name, HALF_WIDTH, leaves, values)
             .map_err(library)?;
         self.level_sets.push((name.to_owned(), triangles));
         Ok(())
@@ -196,11 +197,10 @@ impl<'a> Builder<'a> {
         background: f32,
         values: impl Fn(&Leaf) -> Vec<f32> + Sync,
     ) -> Result<()> {
-        let leaves = &self.contents.samples.leaves;
-        let at: Vec<i32> = leaves.iter().flat_map(|leaf| leaf.at).collect();
-        let values: Vec<Vec<f32>> = leaves.par_iter().map(&values).collect();
-        let values = values.concat();
-        ffi::add_values(self.volumes.pin_mut(), name, background, &at, &values, &[], &[])
+        let samples = self.contents.samples;
+        let values = samples.par_leaves().map(|leaf| values(&leaf)).collect::<Vec<_>>().concat();
+        let leaves = samples.valued.as_flattened();
+        ffi::add_values(self.volumes.pin_mut(), name, background, leaves, &values, &[], &[])
             .map_err(library)
     }
 
@@ -232,43 +232,6 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Leaves with 512 values each, and leaves of one value.
-struct Sparse<T> {
-    leaves: Vec<i32>,
-    values: Vec<T>,
-    tiles: Vec<i32>,
-    tile_values: Vec<T>,
-}
-
-impl<T> Sparse<T> {
-    /// Asks `leaf` for the values of leaves, if they are not all background,
-    /// and `tile` for those of tiles.
-    fn new(
-        samples: &Samples,
-        leaf: impl Fn(&Leaf) -> Option<Vec<T>>,
-        tile: impl Fn(Label) -> Option<T>,
-    ) -> Self {
-        let lattice = &samples.lattice;
-        let (mut leaves, mut values) = (Vec::new(), Vec::new());
-        let mut valued = vec![false; samples.tiles.len()];
-        for own in &samples.leaves {
-            valued[lattice.leaf_index(own.at)] = true;
-            if let Some(own_values) = leaf(own) {
-                leaves.extend(own.at);
-                values.extend(own_values);
-            }
-        }
-        let (mut tiles, mut tile_values) = (Vec::new(), Vec::new());
-        for (index, _) in valued.iter().enumerate().filter(|(_, valued)| !**valued) {
-            if let Some(value) = tile(samples.tiles[index]) {
-                tiles.extend(lattice.leaf_at(index));
-                tile_values.push(value);
-            }
-        }
-        Self { leaves, values, tiles, tile_values }
-    }
-}
-
 /// A material's indicator: from −1 far outside to 1 far inside.
 fn add_indicator(
     volumes: &mut UniquePtr<ffi::Volumes>,
@@ -276,13 +239,16 @@ fn add_indicator(
     samples: &Samples,
     label: Label,
 ) -> Result<()> {
-    let leaf = |leaf: &Leaf| {
-        let own = leaf.materials.iter().find(|own| own.label == label);
-        own.map(|own| own.values.iter().map(|&value| samples.values.indicator(value)).collect())
-    };
-    let tile = |tile: Label| (tile == label).then_some(1.0);
-    let Sparse { leaves, values, tiles, tile_values } = Sparse::new(samples, leaf, tile);
-    ffi::add_values(volumes.pin_mut(), name, -1.0, &leaves, &values, &tiles, &tile_values)
+    let own = samples.fields.iter().find(|field| field.label == label);
+    let (leaves, values) =
+        own.map_or_else(Default::default, |own| (own.grid.leaves(), own.grid.values()));
+    let values: Vec<f32> =
+        values.par_iter().map(|&value| samples.values.indicator(value)).collect();
+    let all = (0..samples.tiles.len()).filter(|&tile| samples.tiles[tile] == label);
+    let all = all.map(|tile| samples.lattice.leaf_at(tile));
+    let tiles: Vec<[i32; 3]> = all.filter(|&at| !samples.is_valued(at)).collect();
+    let (leaves, ones) = (leaves.as_flattened(), vec![1.0; tiles.len()]);
+    ffi::add_values(volumes.pin_mut(), name, -1.0, leaves, &values, tiles.as_flattened(), &ones)
         .map_err(library)
 }
 

@@ -6,7 +6,8 @@ use glam::DVec3;
 
 use super::{Mesh, dual};
 use crate::grid::lattice::Resolution;
-use crate::grid::samples::{LEAF_NODES, Lattice, Leaf, LeafValues, Samples, Values};
+use crate::grid::leaf::{LeafOf, LeafValues};
+use crate::grid::samples::{LEAF_NODES, Lattice, Samples, Values};
 use crate::label::Label;
 use crate::plane::Bounds;
 use crate::progress::Silent;
@@ -36,18 +37,19 @@ fn all_leaves(
 ) -> Samples {
     let count = lattice.leaf_count() as usize;
     let leaf = |index| {
-        let mut leaf = Leaf { at: lattice.leaf_at(index), materials: Vec::new() };
+        let mut leaf = LeafOf { at: lattice.leaf_at(index), materials: Vec::new() };
         let nodes: Vec<Vec<f32>> = (0..LEAF_NODES).map(|node| values(leaf.node(node))).collect();
         let material = |index: usize| LeafValues {
             label: Label(index as u32 + 1),
-            values: nodes.iter().map(|values| values[index]).collect(),
+            values: Box::new(std::array::from_fn(|node| nodes[node][index])),
         };
         leaf.materials = (0..nodes[0].len()).map(material).collect();
         leaf
     };
-    let leaves = (0..count).map(leaf).collect();
-    let (tiles, values) = (vec![Label::OUTSIDE; count], Values::Indicators);
-    Samples { lattice, leaves, tiles, open, values }
+    let tiles = vec![Label::OUTSIDE; count];
+    let mut samples = Samples::new(lattice, tiles, open, Values::Indicators);
+    samples.add((0..count).map(leaf));
+    samples
 }
 
 /// The mesh of one solid, from a signed distance that is positive inside, on

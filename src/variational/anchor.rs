@@ -14,7 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::grid::distance::{HALF_WIDTH, NarrowBand, band_around, inside};
+use crate::grid::distance::{HALF_WIDTH, band_around, inside};
 use crate::grid::leaf_grid::LeafGrid;
 use crate::grid::samples::LEAF_NODES;
 use crate::label::Label;
@@ -132,16 +132,9 @@ impl<'a> Anchor<'a> {
     /// positive where the label is, cut off at [`HALF_WIDTH`].
     pub fn band(&self, level: &Level) -> LeafGrid {
         let Coarse { vertices, solid, sheets } = self.at(level.lattice.voxel);
-        let NarrowBand { leaves, values } = band_around(&level.lattice, &vertices, &solid, &sheets);
-        let mut grid = LeafGrid::new(level.domain.low, level.domain.high);
-        let is_kept = leaves.iter().map(|&leaf| grid.may_hold(leaf)).collect::<Vec<_>>();
-        grid.add(leaves);
-        let kept = values.as_chunks::<LEAF_NODES>().0.iter().zip(is_kept).filter(|one| one.1);
-        let own = grid.values_mut().as_chunks_mut::<LEAF_NODES>().0;
-        for (own, (values, _)) in own.iter_mut().zip(kept) {
-            *own = values.map(|value| -self.sign * value);
-        }
-        grid
+        let mut band = band_around(&level.lattice, &vertices, &solid, &sheets);
+        band.values_mut().iter_mut().for_each(|value| *value *= -self.sign);
+        band
     }
 
     /// The same on all nodes, and not cut off. What is beyond an open box has the

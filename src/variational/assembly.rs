@@ -2,44 +2,38 @@
 
 use rayon::prelude::*;
 
-use crate::grid::invariant::{differs_near_face, faces, neighbor, node_offset};
-use crate::grid::leaf_grid::{LeafSet, NO_SLOT};
-use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples, Values};
+use crate::grid::invariant::{differs_near_face, faces, neighbor};
+use crate::grid::leaf::{Leaf, LeafNodes, LeafOf, LeafValues};
+use crate::grid::leaf_grid::{LeafGrid, LeafSet, NO_SLOT};
+use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, LabelValues, Lattice, Samples, Values};
 use crate::label::Label;
 
-use super::label_field::{LabelField, Scene};
+use super::label_field::{LabelField, Scene, node_of};
+use super::level::Level;
 
 /// A label whose field is lower than this all over a leaf, in voxels, is not kept
 /// there: it is farther away than the leaf's nodes are from each other.
 const FAR: f32 = -(LEAF_SIDE as f32);
+/// What *outside* is in a leaf that it is not near to.
+static FAR_LEAF: LeafNodes = [FAR; LEAF_NODES];
 /// What is beyond a closed box.
 const BEYOND: f32 = 1.0;
 
-/// The samples of some fields.
-pub fn assemble(mut fields: Vec<LabelField>, scene: &Scene) -> Samples {
+/// The samples of some fields. They keep the values where these are.
+pub fn assemble(fields: Vec<LabelField>, scene: &Scene) -> Samples {
     let lattice = scene.space.lattices[scene.space.lattices.len() - 1];
     let tiles = tiles(&fields, &lattice);
-    let mut assembly = Assembly { lattice, tiles, leaves: Vec::new() };
-    let Some(first) = fields.first().and_then(|field| field.levels.last()) else {
-        return assembly.into_samples(scene);
-    };
-    let mut taken = LeafSet::new(&first.grid);
-    let bands = fields.iter().flat_map(|field| field.band.iter().copied());
+    let taken = LeafSet::new(&LeafGrid::new([0; 3], lattice.dims));
+    let mut assembly = Assembly { scene, lattice, fields, tiles, taken };
+    let bands = assembly.fields.iter().flat_map(|field| field.band.iter().copied());
     let mut wave: Vec<[i32; 3]> = bands.chain(assembly.changes_of_tiles()).collect();
     while !wave.is_empty() {
         wave.sort_unstable();
-        wave.retain(|&leaf| lattice.has_leaf(leaf) && taken.insert(leaf));
-        for field in &mut fields {
-            let near: Vec<[i32; 3]> =
-                wave.iter().copied().filter(|&leaf| field.rough(middle(leaf)) > FAR).collect();
-            field.ensure(near);
-        }
-        let start = assembly.leaves.len();
-        let leaf = |&at: &[i32; 3]| collect_leaf(&fields, scene, at);
-        assembly.leaves.par_extend(wave.par_iter().map(leaf));
-        wave = assembly.nearby(start);
+        wave.retain(|&leaf| assembly.taken.insert(leaf));
+        assembly.take(&wave);
+        wave = wave.par_iter().flat_map_iter(|&leaf| assembly.nearby(leaf)).collect();
     }
-    assembly.into_samples(scene)
+    assembly.into_samples()
 }
 
 /// The node that stands for a leaf.
@@ -67,13 +61,26 @@ fn tiles(fields: &[LabelField], lattice: &Lattice) -> Vec<Label> {
 }
 
 /// Samples in the making.
-struct Assembly {
+struct Assembly<'a> {
+    scene: &'a Scene<'a>,
     lattice: Lattice,
+    fields: Vec<LabelField>,
     tiles: Vec<Label>,
-    leaves: Vec<Leaf>,
+    /// The leaves with values.
+    taken: LeafSet,
 }
 
-impl Assembly {
+impl Assembly<'_> {
+    /// Gives leaves the values of all labels that are near.
+    fn take(&mut self, leaves: &[[i32; 3]]) {
+        for field in &mut self.fields {
+            let near = leaves.iter().copied().filter(|&leaf| field.rough(middle(leaf)) > FAR);
+            let near: Vec<[i32; 3]> = near.collect();
+            field.ensure(near);
+            leaves.iter().for_each(|&leaf| settle(field, self.scene.is_open, leaf));
+        }
+    }
+
     fn tile(&self, at: [i32; 3]) -> Label {
         let has = self.lattice.has_leaf(at);
         if has { self.tiles[self.lattice.leaf_index(at)] } else { Label::OUTSIDE }
@@ -90,64 +97,85 @@ impl Assembly {
         indices.into_iter().map(|index| self.lattice.leaf_at(index)).collect()
     }
 
-    /// The neighbours, of leaves from `start` on, that a change of label leads into.
-    fn nearby(&self, start: usize) -> Vec<[i32; 3]> {
-        let next = |leaf: &Leaf| {
-            let labels = leaf.labels();
-            let near = |(axis, forward)| {
-                let next = neighbor(leaf.at, axis, forward);
-                let differs = differs_near_face(&labels, axis, forward, 1, self.tile(next));
-                (self.lattice.has_leaf(next) && differs).then_some(next)
-            };
-            faces().filter_map(near).collect::<Vec<_>>()
+    /// The neighbours that a change of label in a leaf leads into.
+    fn nearby(&self, at: [i32; 3]) -> Vec<[i32; 3]> {
+        let labels = self.leaf(at).labels();
+        let near = |(axis, forward)| {
+            let next = neighbor(at, axis, forward);
+            let differs = differs_near_face(&labels, axis, forward, 1, self.tile(next));
+            (self.lattice.has_leaf(next) && differs).then_some(next)
         };
-        self.leaves[start..].par_iter().flat_map_iter(next).collect()
+        faces().filter_map(near).collect()
     }
 
-    fn into_samples(mut self, scene: &Scene) -> Samples {
-        self.leaves.par_sort_unstable_by_key(|leaf| leaf.at);
-        let Self { lattice, tiles, leaves } = self;
+    /// A leaf as it will be in the samples.
+    fn leaf(&self, at: [i32; 3]) -> Leaf<'_> {
+        let several = self.fields.len() > 1;
+        let near = self.fields.iter().filter_map(|field| in_leaf(field, at, several));
+        LeafOf { at, materials: near.collect() }
+    }
+
+    /// The fields' own values, less what the samples do not need.
+    fn into_samples(self) -> Samples {
+        let Self { scene, lattice, fields, tiles, taken } = self;
+        let (valued, several) = (taken.sorted(), fields.len() > 1);
+        let own = |LabelField { label, mut levels, .. }: LabelField| {
+            let mut grid = levels.pop()?.grid;
+            grid.retain(|leaf, values| taken.has(leaf) && is_near(label, values, several));
+            if label == Label::OUTSIDE {
+                let added = grid.add(valued.iter().copied());
+                grid.values_mut()[added.start * LEAF_NODES..].fill(FAR);
+            }
+            grid.shrink_to_fit();
+            (!grid.leaves().is_empty()).then_some(LabelValues { label, grid })
+        };
+        let fields = fields.into_par_iter().filter_map(own).collect();
         let open = scene.is_open.then_some(scene.space.bounds);
-        Samples { lattice, leaves, tiles, open, values: Values::Distances }
+        Samples { lattice, valued, fields, tiles, open, values: Values::Distances }
     }
 }
 
-/// A leaf with the fields of all labels that are near.
-fn collect_leaf(fields: &[LabelField], scene: &Scene, at: [i32; 3]) -> Leaf {
-    let several = fields.len() > 1;
-    let mut materials = Vec::new();
-    for field in fields {
-        let Some(level) = field.levels.last() else { continue };
-        let slot = level.grid.slot(at);
-        let is_outside = field.label == Label::OUTSIDE;
-        let values = match slot {
-            NO_SLOT if is_outside => vec![FAR; LEAF_NODES],
-            NO_SLOT => continue,
-            _ => (0..LEAF_NODES).map(|node| node_value(field, scene, at, node)).collect(),
-        };
-        let is_near = !several || is_outside || values.iter().any(|&value| value > FAR);
-        if is_near {
-            materials.push(LeafValues { label: field.label, values });
+/// A field's values in a leaf, where it is near.
+fn in_leaf(field: &LabelField, at: [i32; 3], several: bool) -> Option<LeafValues<&LeafNodes>> {
+    let label = field.label;
+    let values = match field.levels.last()?.grid.get(at) {
+        None if label == Label::OUTSIDE => &FAR_LEAF,
+        values => values?,
+    };
+    is_near(label, values, several).then_some(LeafValues { label, values })
+}
+
+/// Whether a label, one of several or not, is kept in a leaf where it has these values.
+fn is_near(label: Label, values: &LeafNodes, several: bool) -> bool {
+    !several || label == Label::OUTSIDE || values.iter().any(|&value| value > FAR)
+}
+
+/// Gives those nodes of a leaf, if it is there, that are not inside the box the values
+/// that samples have there.
+fn settle(field: &mut LabelField, is_open: bool, leaf: [i32; 3]) {
+    let LabelField { label, levels, .. } = field;
+    let Some(level) = levels.last_mut() else { return };
+    let slot = level.grid.slot(leaf);
+    let is_inner = |node: usize| level.lattice.is_inner(node_of(leaf, node));
+    if slot == NO_SLOT || is_inner(0) && is_inner(LEAF_NODES - 1) {
+        return;
+    }
+    for node in 0..LEAF_NODES {
+        let at = node_of(leaf, node);
+        if !level.lattice.is_inner(at) {
+            let own = level.grid.leaf(slot)[node];
+            level.grid.leaf_mut(slot)[node] = value_beyond(*label, level, is_open, at, own);
         }
     }
-    Leaf { at, materials }
 }
 
-/// The value of a leaf's node: beyond an open box that of the nearest node inside,
-/// beyond a closed one something outside.
-fn node_value(field: &LabelField, scene: &Scene, at: [i32; 3], node: usize) -> f32 {
-    let Some(level) = field.levels.last() else { return FAR };
-    let offset = node_offset(node);
-    let place: [i32; 3] =
-        std::array::from_fn(|axis| at[axis] * LEAF_SIDE as i32 + offset[axis] as i32);
-    let own = level.grid.leaf(level.grid.slot(at))[node];
-    if level.lattice.is_inner(place) {
-        return own;
+/// The value of a node that is not inside the box: beyond an open one that of the
+/// nearest node inside, beyond a closed one something outside.
+fn value_beyond(label: Label, level: &Level, is_open: bool, node: [i32; 3], own: f32) -> f32 {
+    if is_open {
+        return level.grid.value(level.lattice.nearest_inner(node)).unwrap_or(own);
     }
-    if scene.is_open {
-        return level.grid.value(level.lattice.nearest_inner(place)).unwrap_or(own);
-    }
-    match (field.label == Label::OUTSIDE, level.has(place)) {
+    match (label == Label::OUTSIDE, level.has(node)) {
         (true, true) => own.max(BEYOND),
         (false, true) => own.min(-BEYOND / 16.0),
         (true, false) => BEYOND,

@@ -386,8 +386,7 @@ impl Solver<'_> {
         self.effort.add(system.unknowns(), correction.iterations);
         let grid = &mut self.levels[number].grid;
         for (leaf, values) in system.leaves.iter().zip(correction.values.chunks(LEAF_NODES)) {
-            let slot = grid.slot(*leaf) as usize * LEAF_NODES;
-            let own = &mut grid.values_mut()[slot..slot + LEAF_NODES];
+            let own = grid.leaf_mut(grid.slot(*leaf));
             own.iter_mut().zip(values).for_each(|(own, by)| *own += by);
         }
         Ok(correction.size)

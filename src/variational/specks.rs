@@ -5,9 +5,10 @@
 use glam::DVec3;
 
 use crate::grid::labels::{LabelGrid, node_in_leaf};
+use crate::grid::leaf::LeafOf;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
 use crate::grid::runs::{Neighbors, Run, Runs};
-use crate::grid::samples::{LEAF_SIDE, Leaf, Samples};
+use crate::grid::samples::{LEAF_SIDE, Samples};
 use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::Section;
@@ -142,8 +143,7 @@ fn add_runs(labels: &LabelGrid, [x, y]: [usize; 2], runs: &mut Vec<Run<Label>>) 
 /// Gives a node to the label that comes next there.
 fn yield_node(samples: &mut Samples, node: [i32; 3], label: Label) {
     let (at, index) = node_in_leaf(node);
-    let Ok(place) = samples.leaves.binary_search_by_key(&at, |leaf| leaf.at) else { return };
-    let Leaf { materials, .. } = &mut samples.leaves[place];
+    let Some(LeafOf { mut materials, .. }) = samples.leaf_mut(at) else { return };
     let own = materials.iter().position(|one| one.label == label);
     let others = materials.iter().enumerate().filter(|(_, one)| one.label != label);
     let next = others.max_by(|a, b| a.1.values[index].total_cmp(&b.1.values[index]));

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use transect::error::{Error, Result};
 use transect::grid::lattice::Resolution;
-use transect::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, LeafValues, Samples, Values};
+use transect::grid::leaf::{LeafOf, LeafValues, NewLeaf};
+use transect::grid::samples::{LEAF_SIDE, Lattice, Samples, Values};
 use transect::label::Label;
 use transect::mesh::{Mesh, dual};
 use transect::progress::Silent;
@@ -35,22 +36,23 @@ fn samples(solid: &Solid, voxels: u32) -> Result<Samples> {
     let voxel = solid.bounds.size().max_element() / f64::from(voxels);
     let bounds = solid.bounds.grown(BAND * voxel);
     let lattice = Lattice::new(bounds, Resolution::VoxelSize(voxel))?;
-    let made: Vec<(Label, Option<Leaf>)> = (0..lattice.leaf_count() as usize)
+    let made: Vec<(Label, Option<NewLeaf>)> = (0..lattice.leaf_count() as usize)
         .into_par_iter()
         .map(|index| leaf(solid, &lattice, lattice.leaf_at(index)))
         .collect();
     let tiles = made.iter().map(|(tile, _)| *tile).collect();
-    let leaves = made.into_iter().filter_map(|(_, leaf)| leaf).collect();
-    Ok(Samples { lattice, leaves, tiles, open: None, values: Values::Indicators })
+    let mut samples = Samples::new(lattice, tiles, None, Values::Indicators);
+    samples.add(made.into_iter().filter_map(|(_, leaf)| leaf));
+    Ok(samples)
 }
 
 /// What a leaf is all over, or its values where the surface may pass.
-fn leaf(solid: &Solid, lattice: &Lattice, at: [i32; 3]) -> (Label, Option<Leaf>) {
+fn leaf(solid: &Solid, lattice: &Lattice, at: [i32; 3]) -> (Label, Option<NewLeaf>) {
     let half = (LEAF_SIDE - 1) as f64 / 2.0;
     let first = lattice.position(at.map(|at| at * LEAF_SIDE as i32));
     let middle = solid.distance(first + half * lattice.voxel);
     let farthest = half * 3f64.sqrt() * lattice.voxel;
-    let mut leaf = Leaf { at, materials: Vec::new() };
+    let mut leaf = LeafOf { at, materials: Vec::new() };
     if middle.abs() > STEEPEST * farthest {
         return (if middle < 0.0 { INSIDE } else { Label::OUTSIDE }, None);
     }
@@ -58,7 +60,7 @@ fn leaf(solid: &Solid, lattice: &Lattice, at: [i32; 3]) -> (Label, Option<Leaf>)
         let inward = -solid.distance(lattice.position(leaf.node(node))) / (BAND * lattice.voxel);
         inward.clamp(-1.0, 1.0) as f32
     };
-    let values = (0..LEAF_NODES).map(value).collect();
+    let values = Box::new(std::array::from_fn(value));
     leaf.materials = vec![LeafValues { label: INSIDE, values }];
     (Label::OUTSIDE, Some(leaf))
 }

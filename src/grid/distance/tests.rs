@@ -36,7 +36,7 @@ fn distances_to_a_sphere_are_right() {
     let lattice = lattice(0.05);
     let band = narrow_band(&lattice, &vertices, &triangles);
     let mut in_band = 0;
-    for (at, values) in band.leaves.iter().zip(band.values.chunks(LEAF_NODES)) {
+    for (at, values) in band.leaves().iter().zip(band.values().chunks(LEAF_NODES)) {
         for (node, &value) in values.iter().enumerate() {
             let offset = crate::grid::invariant::node_offset(node);
             let place = std::array::from_fn(|axis| at[axis] * SIDE + offset[axis] as i32);
@@ -49,7 +49,7 @@ fn distances_to_a_sphere_are_right() {
     }
     // 6 voxels deep: 4π · 20² · 6 nodes.
     assert!((29_500..31_000).contains(&in_band), "{in_band}");
-    assert!(band.leaves.is_sorted());
+    assert!(band.leaves().is_sorted());
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn large_triangles_count_once_and_everywhere() {
     let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     let lattice = Lattice { origin: DVec3::splat(-4.5), voxel: 1.0, dims: [50; 3] };
     let band = narrow_band(&lattice, &vertices, &triangles);
-    for (at, values) in band.leaves.iter().zip(band.values.chunks(LEAF_NODES)) {
+    for (at, values) in band.leaves().iter().zip(band.values().chunks(LEAF_NODES)) {
         for (node, &value) in values.iter().enumerate() {
             let offset = crate::grid::invariant::node_offset(node);
             let place = std::array::from_fn(|axis| at[axis] * SIDE + offset[axis] as i32);

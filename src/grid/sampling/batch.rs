@@ -80,7 +80,7 @@ impl<'a> Batch<'a> {
     }
 
     /// The label with the largest share of a node, of equals the smallest:
-    /// [`Leaf::labels`](crate::grid::samples::Leaf::labels) for one node.
+    /// [`LeafOf::labels`](crate::grid::leaf::LeafOf::labels) for one node.
     pub(super) fn label(&self, node: usize) -> Label {
         let shares = || self.node(node).map(|(label, f)| (label, (f64::from(f) + 1.0) / 2.0));
         let outside = (Label::OUTSIDE, 1.0 - shares().map(|(_, share)| share).sum::<f64>());

@@ -121,7 +121,7 @@ fn every_node_of_two_balls_has_the_right_label() {
     }
     assert!(inside > 8000, "{inside}");
     // Less than all leaves, and no node outside the box or in the second cell.
-    assert!(samples.leaves.len() < 343 && points < samples.leaves.len() as u64 * 512);
+    assert!(samples.valued.len() < 343 && points < samples.valued.len() as u64 * 512);
 }
 
 #[test]
@@ -145,13 +145,13 @@ fn a_wider_margin_keeps_the_surface_from_tiles() {
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
     let narrow = run(&balls, &cells, lattice, 1).samples;
     let wide = run(&balls, &cells, lattice, 4).samples;
-    assert!(wide.leaves.len() > narrow.leaves.len());
+    assert!(wide.valued.len() > narrow.valued.len());
     wide.sanity_check().unwrap();
-    for leaf in &wide.leaves {
+    for leaf in wide.leaves() {
         let labels = leaf.labels();
         for (axis, forward) in faces() {
             let next = neighbor(leaf.at, axis, forward);
-            if lattice.has_leaf(next) && wide.leaf(next).is_none() {
+            if lattice.has_leaf(next) && !wide.is_valued(next) {
                 let tile = wide.tiles[lattice.leaf_index(next)];
                 assert!(!differs_near_face(&labels, axis, forward, 4, tile));
             }
@@ -166,7 +166,7 @@ fn contours_find_what_the_coarse_lattice_misses() {
     let balls = Balls::new(&[(center, 0.045)]);
     let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
-    assert!(run(&balls, &cells, lattice, 1).samples.leaves.is_empty());
+    assert!(run(&balls, &cells, lattice, 1).samples.valued.is_empty());
 
     let plane = Plane { normal: DVec3::Z, offset: 0.01 };
     let around = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
@@ -185,7 +185,7 @@ fn contours_find_what_the_coarse_lattice_misses() {
         Sampler { cells: &cells, field: &balls, lattice, margin: Margin(1), progress: &Silent };
     let samples = sampler.run(starts).unwrap().samples;
     samples.sanity_check().unwrap();
-    let labels = samples.leaves.iter().flat_map(Leaf::labels);
+    let labels = samples.leaves().flat_map(|leaf| leaf.labels());
     assert!(labels.filter(|&label| label == Label(1)).count() > 5);
 }
 
@@ -212,7 +212,7 @@ fn in_an_open_box_nodes_beyond_it_have_the_nearest_values_inside() {
         samples.sanity_check().unwrap();
         assert_eq!(samples.open, Some(cells.bounds));
         let mut beyond = 0;
-        for leaf in &samples.leaves {
+        for leaf in samples.leaves() {
             for (node, label) in leaf.labels().into_iter().enumerate() {
                 let node = leaf.node(node);
                 let nearest = lattice.position(lattice.nearest_inner(node));

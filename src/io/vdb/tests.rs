@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::*;
 use crate::check::shapes::disc;
 use crate::grid::distance::tests::sphere;
-use crate::grid::samples::{LEAF_NODES, LeafValues};
+use crate::grid::leaf::{LeafOf, LeafValues};
+use crate::grid::samples::Values;
 use crate::plane::Plane;
 
 /// A ball of label 7 in the middle of a lattice of 40 nodes a side.
@@ -40,15 +41,15 @@ impl Ball {
                 let offset = [node / 64, node / 8 % 8, node % 8];
                 f(std::array::from_fn(|axis| at[axis] * 8 + offset[axis] as i32))
             };
-            let values = (0..LEAF_NODES).map(node).collect();
-            Leaf { at, materials: vec![LeafValues { label: Label(7), values }] }
+            let values = Box::new(std::array::from_fn(node));
+            LeafOf { at, materials: vec![LeafValues { label: Label(7), values }] }
         };
         // The leaf in the very middle is a tile.
         let middle = lattice.leaf_index([2, 2, 2]);
-        let leaves = (0..125).filter(|&index| index != middle).map(leaf).collect();
         let mut tiles = vec![Label::OUTSIDE; 125];
         tiles[middle] = Label(7);
-        let samples = Samples { lattice, leaves, tiles, open: None, values: Default::default() };
+        let mut samples = Samples::new(lattice, tiles, None, Values::default());
+        samples.add((0..125).filter(|&index| index != middle).map(leaf));
         let materials = vec![Material { id: 7, name: "Leber".to_owned(), color: [200, 16, 0] }];
         // A disc through the centre, normal to z.
         let plane = Plane { normal: DVec3::Z, offset: center.z };
@@ -245,7 +246,7 @@ fn names_that_mean_nothing_are_errors() {
 fn a_label_too_large_for_the_grid_is_an_error() {
     let mut ball = Ball::new();
     ball.samples.tiles[0] = Label(3_000_000_000);
-    ball.samples.leaves.remove(0);
+    ball.samples.retain(|at| at != [0; 3]);
     let grids = names("label");
     let error = write(Path::new("/nowhere"), &ball.contents(&grids)).unwrap_err().to_string();
     assert!(error.contains("3000000000"), "{error}");

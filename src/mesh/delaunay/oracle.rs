@@ -21,8 +21,9 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::grid::distance::{HALF_WIDTH, NarrowBand, narrow_band};
-use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Leaf, Samples};
+use crate::grid::distance::{HALF_WIDTH, narrow_band};
+use crate::grid::leaf_grid::LeafGrid;
+use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples};
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::dual::patch::{Leaves, Patch};
@@ -64,8 +65,7 @@ struct Part {
 impl Oracle {
     /// The oracle of samples and of the dual mesh made from them, without caps.
     pub fn new(samples: &Samples, dual: &Mesh) -> Self {
-        let labels = samples.leaves.par_iter().map(Leaf::labels).collect();
-        let leaves = Leaves::new(samples, labels);
+        let leaves = Leaves::new(samples);
         let borders = Borders::new(samples, &leaves, dual);
         let blocks = (0..leaves.count())
             .into_par_iter()
@@ -173,7 +173,7 @@ fn cell_labels(patch: &Patch, cell: usize) -> Vec<Label> {
 struct Borders<'a> {
     samples: &'a Samples,
     leaves: &'a Leaves<'a>,
-    of: BTreeMap<Label, NarrowBand>,
+    of: BTreeMap<Label, LeafGrid>,
 }
 
 impl<'a> Borders<'a> {
@@ -196,14 +196,9 @@ impl<'a> Borders<'a> {
         if self.samples.open.is_some() {
             node = self.samples.lattice.nearest_inner(node);
         }
-        let found = self.of.get(&label).and_then(|band| {
-            let leaf = node.map(|along| along.div_euclid(LEAF_SIDE as i32));
-            let place = band.leaves.binary_search(&leaf).ok()?;
-            let [x, y, z] = node.map(|along| along.rem_euclid(LEAF_SIDE as i32) as usize);
-            Some(band.values[place * LEAF_NODES + (x * LEAF_SIDE + y) * LEAF_SIDE + z].abs())
-        });
+        let found = self.of.get(&label).and_then(|band| band.value(node));
         let least = if self.is_thin(node) { THIN } else { 0.0 };
-        found.unwrap_or(HALF_WIDTH as f32).max(least)
+        found.map_or(HALF_WIDTH as f32, f32::abs).max(least)
     }
 
     /// Whether a node lies between two of other labels.

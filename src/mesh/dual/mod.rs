@@ -67,7 +67,7 @@ use rayon::prelude::*;
 
 use super::Mesh;
 use crate::error::{Error, Result};
-use crate::grid::samples::{Leaf, Samples};
+use crate::grid::samples::Samples;
 use crate::progress::Progress;
 use block::Block;
 use border::BoxFaces;
@@ -81,8 +81,7 @@ use polygon::{Blocks, Pinched, Polygons};
 /// [`Error::Option`] when the mesh would have more points than fit into 32
 /// bits.
 pub fn dual(samples: &Samples, progress: &dyn Progress) -> Result<Mesh> {
-    let labels = samples.leaves.par_iter().map(Leaf::labels).collect();
-    let leaves = Leaves::new(samples, labels);
+    let leaves = Leaves::new(samples);
     let blocks = blocks(&leaves, progress);
     let (mut points, polygons) = polygons(&leaves, &blocks)?;
     let lows: Vec<DVec3> = blocks.iter().flat_map(Block::lows_of_points).collect();

@@ -1,7 +1,10 @@
 //! The nodes that the cells of one leaf touch: the leaf and the first layer
 //! of the leaves after it.
 
-use crate::grid::samples::{LEAF_SIDE, Lattice, Leaf, Samples, Values};
+use rayon::prelude::*;
+
+use crate::grid::leaf::Leaf;
+use crate::grid::samples::{LEAF_SIDE, Lattice, Samples, Values};
 use crate::label::Label;
 
 /// Nodes of a patch along each axis.
@@ -10,8 +13,9 @@ const SIDE: usize = LEAF_SIDE + 1;
 /// Sampled leaves with their nodes' labels, found by place.
 pub struct Leaves<'a> {
     samples: &'a Samples,
+    leaves: Vec<Leaf<'a>>,
     labels: Vec<Vec<Label>>,
-    /// For each leaf of the lattice its index in `samples.leaves`.
+    /// For each leaf of the lattice its index in `leaves`.
     index: Vec<u32>,
     dims: [i32; 3],
 }
@@ -20,13 +24,15 @@ pub struct Leaves<'a> {
 const TILE: u32 = u32::MAX;
 
 impl<'a> Leaves<'a> {
-    /// `labels` are those of the samples' leaves in turn.
-    pub fn new(samples: &'a Samples, labels: Vec<Vec<Label>>) -> Self {
+    /// Those of samples.
+    pub fn new(samples: &'a Samples) -> Self {
+        let own: Vec<Leaf> = samples.par_leaves().collect();
+        let labels = own.par_iter().map(Leaf::labels).collect();
         let dims = samples.lattice.leaf_dims();
         let count = dims.iter().map(|&side| side.max(0) as usize).product();
-        let mut leaves = Self { samples, labels, index: vec![TILE; count], dims };
-        for (number, leaf) in samples.leaves.iter().enumerate() {
-            if let Some(place) = leaves.place(leaf.at) {
+        let mut leaves = Self { samples, leaves: own, labels, index: vec![TILE; count], dims };
+        for (number, &at) in samples.valued.iter().enumerate() {
+            if let Some(place) = leaves.place(at) {
                 leaves.index[place] = number as u32;
             }
         }
@@ -76,7 +82,7 @@ impl<'a> Leaves<'a> {
             }
             Some(place) => {
                 let number = self.index[place] as usize;
-                Source::Leaf(&self.samples.leaves[number], &self.labels[number])
+                Source::Leaf(&self.leaves[number], &self.labels[number])
             }
         }
     }
@@ -84,7 +90,7 @@ impl<'a> Leaves<'a> {
 
 #[derive(Clone, Copy)]
 enum Source<'a> {
-    Leaf(&'a Leaf, &'a [Label]),
+    Leaf(&'a Leaf<'a>, &'a [Label]),
     Tile(Label),
 }
 

@@ -135,8 +135,7 @@ fn tiles_without_values_close_the_surface() {
     let lattice = unit_lattice([24; 3]);
     let mut tiles = vec![Label::OUTSIDE; 27];
     tiles[13] = Label(3);
-    let samples =
-        Samples { lattice, leaves: Vec::new(), tiles, open: None, values: Default::default() };
+    let samples = Samples::new(lattice, tiles, None, Default::default());
     let mesh = dual(&samples, &Silent).unwrap();
     assert_sound(&mesh);
     let volume = mesh.surface(Label(3)).volume();
