@@ -220,9 +220,11 @@ impl Ground<'_> {
             Ok((sampling.samples, field.name()))
         })?;
         let mut samples = stages.run("smoothing", |counts| {
-            let (samples, effort) = smoothed(samples, sections, *bounds, method.smooth, progress)?;
+            let (samples, effort, specks) =
+                smoothed(samples, sections, *bounds, method.smooth, progress)?;
             counts.insert("unknowns".into(), effort.unknowns);
             counts.insert("updates".into(), effort.updates);
+            counts.insert("specks".into(), specks);
             Ok(samples)
         })?;
         self.cut(&mut samples, &capping, stages, progress)?;

@@ -57,7 +57,7 @@ fn reconstructs(name: &str, voxels: u32) {
     ));
     sampling.samples.sanity_check().unwrap();
     clock.lap("checking");
-    let (samples, _) = smoothed(sampling.samples, list, bounds, 1.0, &Silent).unwrap();
+    let (samples, ..) = smoothed(sampling.samples, list, bounds, 1.0, &Silent).unwrap();
     clock.lap("smoothing");
     samples.sanity_check().unwrap();
     clock.lap("checking");

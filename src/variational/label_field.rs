@@ -265,9 +265,9 @@ impl Solver<'_> {
         }
     }
 
-    /// Without anything to be drawn to, on the coarsest level all nodes, and on those on the wide box the ones beyond
-    /// it, are as far outside as the nearest contour is away. Beyond the given box
-    /// nodes are outside as they are, at least by the margin.
+    /// Without anything to be drawn to: on the coarsest level all nodes, and on those on
+    /// the wide box the ones beyond it, are as far outside as the nearest contour is
+    /// away. Beyond the given box nodes are outside as they are, at least by the margin.
     fn settle_free(&self, level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]) {
         let Scene { space, is_open, .. } = self.scene;
         let is_first = level.lattice.voxel == space.lattices[0].voxel;

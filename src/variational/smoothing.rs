@@ -41,7 +41,8 @@ const POINTS: usize = 20_000;
 const SPACING_OF_MEDIAN: f64 = 4.0;
 
 /// Smooths samples: what is shorter than `strength` typical distances between
-/// sections vanishes. With 0 they stay as they are.
+/// sections vanishes. With 0 they stay as they are. Pieces and bubbles that no section
+/// speaks for are removed; how many, comes last.
 ///
 /// # Errors
 /// When the surface has no area, or a backend fails.
@@ -51,14 +52,14 @@ pub fn smoothed(
     bounds: Bounds,
     strength: f64,
     progress: &dyn Progress,
-) -> Result<(Samples, Effort)> {
+) -> Result<(Samples, Effort, u64)> {
     if strength == 0.0 {
-        return Ok((samples, Effort::default()));
+        return Ok((samples, Effort::default(), 0));
     }
     let mesh = dual(&samples, &Silent)?;
     let length = strength * typical_spacing(&mesh, sections);
     if length == 0.0 {
-        return Ok((samples, Effort::default()));
+        return Ok((samples, Effort::default(), 0));
     }
     smoothed_mesh(&samples, &mesh, sections, bounds, length, progress)
 }
@@ -71,15 +72,14 @@ fn smoothed_mesh(
     bounds: Bounds,
     length: f64,
     progress: &dyn Progress,
-) -> Result<(Samples, Effort)> {
+) -> Result<(Samples, Effort, u64)> {
     let space = Space::new(bounds, bounds, &samples.lattice)?;
     let border = if samples.open.is_some() { Label::UNKNOWN } else { Label::OUTSIDE };
     let method = Variational { border, ..Variational::default() };
     let original = Original { mesh, open: samples.open, length, finest: samples.lattice.voxel };
     let backend = Cpu::new();
     let scene = Scene { original: Some(original), ..scene(sections, &space, &method, &backend) };
-    let (samples, effort, _) = solve(&scene, "smoothing", progress)?;
-    Ok((samples, effort))
+    solve(&scene, "smoothing", progress)
 }
 
 /// How far sections are apart where the surface is, in world units: by the median

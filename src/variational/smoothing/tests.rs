@@ -218,7 +218,7 @@ fn with_a_length_below_the_voxel_nothing_changes() {
     let voxel = rough.voxel();
     let bounds = Bounds { min: rough.samples.lattice.origin + 0.5 * voxel, max: DVec3::ZERO };
     let bounds = Bounds { max: -bounds.min, ..bounds };
-    let (same, _) =
+    let (same, ..) =
         smoothed_mesh(&rough.samples, &rough.mesh, &sections, bounds, 0.2 * voxel, &Silent)
             .unwrap();
     let mesh = dual(&same, &Silent).unwrap();
