@@ -266,6 +266,15 @@ fn copy_common<const SIDES: usize>(
     }
 }
 
+/// The node at or before a place given in nodes, along each axis.
+pub fn node_below(at: [f64; 3]) -> [i32; 3] {
+    // `f64::floor` is a call where a processor may lack the instruction.
+    at.map(|along| {
+        let toward_zero = along as i32;
+        toward_zero - i32::from(along < f64::from(toward_zero))
+    })
+}
+
 /// The leaf that holds a node.
 pub fn leaf_of(node: [i32; 3]) -> [i32; 3] {
     node.map(|along| along.div_euclid(SIDE))
@@ -310,6 +319,12 @@ mod tests {
         }
         assert_eq!(grid.value([8, 0, 16]), None, "in the leaf that is left out");
         assert_eq!(grid.value([24, 0, 0]), None, "beyond the grid");
+    }
+
+    #[test]
+    fn a_place_lies_after_the_node_below_it() {
+        assert_eq!(node_below([2.75, -0.25, -3.0]), [2, -1, -3]);
+        assert_eq!(node_below([0.0, -1e-300, 7.999]), [0, -1, 7]);
     }
 
     #[test]

@@ -175,7 +175,7 @@ fn value_beyond(label: Label, level: &Level, is_open: bool, node: [i32; 3], own:
     if is_open {
         return level.grid.value(level.lattice.nearest_inner(node)).unwrap_or(own);
     }
-    match (label == Label::OUTSIDE, level.has(node)) {
+    match (label == Label::OUTSIDE, level.domain.has(node)) {
         (true, true) => own.max(BEYOND),
         (false, true) => own.min(-BEYOND / 16.0),
         (true, false) => BEYOND,

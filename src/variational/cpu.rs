@@ -2,6 +2,8 @@
 //! Sums are taken leaf by leaf and then over the leaves in their order, so that
 //! results do not depend on the number of threads.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -113,24 +115,31 @@ const NOTHING: Nodes = [0.0; LEAF_NODES];
 #[inline(always)]
 fn fill_patch(leaves: &[&Nodes; 27], patch: &mut Patch) {
     let rows = patch.as_chunks_mut::<PATCH>().0;
-    for (index, row) in rows.iter_mut().enumerate() {
-        let [(step_x, x), (step_y, y)] = [source(index / PATCH), source(index % PATCH)];
-        let (line, column) = (x * LEAF_SIDE + y, step_x * 9 + step_y * 3);
-        let line = |step: usize| &leaves[column + step].as_chunks::<LEAF_SIDE>().0[line];
-        let [before, here, after] = [line(0), line(1), line(2)];
-        row[..REACH].copy_from_slice(&before[LEAF_SIDE - REACH..]);
-        row[REACH..REACH + LEAF_SIDE].copy_from_slice(here);
-        row[REACH + LEAF_SIDE..].copy_from_slice(&after[..REACH]);
+    for (step_x, layers_x, first_x) in LAYERS {
+        for (step_y, layers_y, first_y) in LAYERS {
+            let lines: [_; 3] = std::array::from_fn(|step_z| {
+                leaves[step_x * 9 + step_y * 3 + step_z].as_chunks::<LEAF_SIDE>().0
+            });
+            for (x, row_x) in layers_x.clone().zip(first_x..) {
+                for (y, row_y) in layers_y.clone().zip(first_y..) {
+                    let row = &mut rows[row_x * PATCH + row_y];
+                    let [before, here, after] = lines.map(|lines| &lines[x * LEAF_SIDE + y]);
+                    row[..REACH].copy_from_slice(&before[LEAF_SIDE - REACH..]);
+                    row[REACH..REACH + LEAF_SIDE].copy_from_slice(here);
+                    row[REACH + LEAF_SIDE..].copy_from_slice(&after[..REACH]);
+                }
+            }
+        }
     }
 }
 
-/// Which of three leaves in a row a patch's layer comes from, and which of its layers
-/// it is.
-#[inline(always)]
-fn source(layer: usize) -> (usize, usize) {
-    let from_first = layer + LEAF_SIDE - REACH;
-    (from_first / LEAF_SIDE, from_first % LEAF_SIDE)
-}
+/// Of three leaves in a row which one, its layers that a patch takes, and the first of
+/// the patch's that they become.
+const LAYERS: [(usize, Range<usize>, usize); 3] = [
+    (0, LEAF_SIDE - REACH..LEAF_SIDE, 0),
+    (1, 0..LEAF_SIDE, REACH),
+    (2, 0..REACH, REACH + LEAF_SIDE),
+];
 
 /// What is left of the right-hand side: b − A x in the free nodes, leaf by leaf,
 /// for the values x of a grid that holds all that the stencil reaches.
@@ -206,8 +215,9 @@ impl Backend for Cpu {
             if curvature <= 0.0 {
                 break;
             }
-            let next = state.step((size / curvature) as f32);
-            state.turn((next / size) as f32);
+            let length = (size / curvature) as f32;
+            let next = state.reduce(length);
+            state.turn(length, (next / size) as f32);
             size = next;
             iterations += 1;
         }
@@ -247,20 +257,15 @@ struct State {
 }
 
 impl State {
-    /// Goes along the direction; returns r · D⁻¹ r.
-    fn step(&mut self, length: f32) -> f64 {
-        let correction = self.correction.as_chunks_mut::<LEAF_NODES>().0;
+    /// The residual after so long a step along the direction; returns r · D⁻¹ r.
+    fn reduce(&mut self, length: f32) -> f64 {
         let residual = self.residual.as_chunks_mut::<LEAF_NODES>().0;
-        let direction = self.direction.as_chunks::<LEAF_NODES>().0;
         let product = self.product.as_chunks::<LEAF_NODES>().0;
         let inverse = self.inverse.as_chunks::<LEAF_NODES>().0;
-        let sizes: Vec<f64> = (correction.par_iter_mut().zip(residual))
-            .zip(direction.par_iter().zip(product))
-            .zip(inverse)
+        let sizes: Vec<f64> = (residual.par_iter_mut().zip(product).zip(inverse))
             .with_min_len(FEW)
-            .map(|(((correction, residual), (direction, product)), inverse)| {
+            .map(|((residual, product), inverse)| {
                 for node in 0..LEAF_NODES {
-                    correction[node] += length * direction[node];
                     residual[node] -= length * product[node];
                 }
                 weighted(residual, inverse)
@@ -269,18 +274,22 @@ impl State {
         sizes.iter().sum()
     }
 
-    /// The next direction: D⁻¹ r and a part of the last one.
-    fn turn(&mut self, part: f32) {
+    /// Goes that step, and turns to the next direction: D⁻¹ r and a part of the last
+    /// one. Both in one go, since what takes time is to fetch the vectors.
+    fn turn(&mut self, length: f32, part: f32) {
+        let correction = self.correction.as_chunks_mut::<LEAF_NODES>().0;
         let direction = self.direction.as_chunks_mut::<LEAF_NODES>().0;
         let residual = self.residual.as_chunks::<LEAF_NODES>().0;
         let inverse = self.inverse.as_chunks::<LEAF_NODES>().0;
-        direction.par_iter_mut().zip(residual).zip(inverse).with_min_len(FEW).for_each(
-            |((direction, residual), inverse)| {
+        (correction.par_iter_mut().zip(direction))
+            .zip(residual.par_iter().zip(inverse))
+            .with_min_len(FEW)
+            .for_each(|((correction, direction), (residual, inverse))| {
                 for node in 0..LEAF_NODES {
+                    correction[node] += length * direction[node];
                     direction[node] = inverse[node] * residual[node] + part * direction[node];
                 }
-            },
-        );
+            });
     }
 }
 

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::grid::distance::HALF_WIDTH;
-use crate::grid::invariant::node_offset;
-use crate::grid::leaf_grid::{LeafGrid, LeafSet, around, leaf_of};
-use crate::grid::samples::{LEAF_NODES, Lattice};
+use crate::grid::invariant::{node_index, node_offset};
+use crate::grid::leaf::LeafNodes;
+use crate::grid::leaf_grid::{LeafGrid, LeafSet, around, leaf_of, node_below};
+use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 use crate::label::Label;
 use crate::section::Section;
 
@@ -16,9 +17,9 @@ use super::backend::{Backend, Limits};
 use super::cpu::residual;
 use super::level::{Level, ensure, leaves_between, near_changes, near_points};
 use super::outline::Outline;
-use super::plane_samples::{PlaneSample, plane_samples};
+use super::plane_samples::{PlaneSample, Region, plane_samples};
 use super::segments::Hint;
-use super::system::{Pull, SIDE, System};
+use super::system::{Domain, Pull, SIDE, System};
 use super::{Effort, Space, Weights};
 
 /// What a sample on a contour counts, and one that is on the wrong side.
@@ -27,6 +28,10 @@ const FIRM: f32 = 10.0;
 const MARGIN: f64 = 0.5;
 /// Contour samples are so far apart, in voxels.
 const CONTOUR_SPACING: f64 = 0.5;
+/// Soft values count so much less on the coarsest level that has a band. Without any, what
+/// is between sections drifts, the more the wider the band, and so the coarser the level
+/// is; in full they take from what is thin.
+const SHARE_IN_BAND: f32 = 0.25;
 /// Unknowns reach so many nodes beyond changes of sign and contours.
 const BAND: i32 = 2;
 /// Times that the samples on the wrong side are looked for.
@@ -37,7 +42,10 @@ const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: None };
 /// finer levels know of the shape between sections, whatever their voxels.
 const FIRST_NARROW: Limits = Limits { iterations: 100, tolerance: 1e-3, of: None };
 /// In the band of the others.
-const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-3, of: None };
+const NARROW: Limits = Limits { iterations: 50, tolerance: 1e-3, of: None };
+/// And of the finest: what is wrong with the interpolated values is as short there as the
+/// voxels, and soon mended; what is longer, coarser levels have seen to.
+const FINEST: Limits = Limits { iterations: 15, tolerance: 1e-3, of: None };
 
 /// What all labels' fields are made from.
 pub struct Scene<'a> {
@@ -114,7 +122,7 @@ impl LabelField {
     /// Gives values to leaves of the finest level; those beyond the box, which play no
     /// role for who reads labels, as they are interpolated.
     pub fn ensure(&mut self, leaves: impl IntoIterator<Item = [i32; 3]>) {
-        ensure(&mut self.levels, leaves, &|_: &Level, _, _: &mut [f32; LEAF_NODES]| ());
+        ensure(&mut self.levels, leaves, &|_, _, _, _| ());
     }
 
     /// The value of a node of the finest level, roughly where no leaf is near.
@@ -194,7 +202,12 @@ impl Solver<'_> {
             return Ok(band);
         }
         let is_first = number == self.scene.space.whole || starts_at_anchor;
-        let (passes, limits) = if is_first { (PASSES, FIRST_NARROW) } else { (1, NARROW) };
+        let is_last = number + 1 == self.scene.space.lattices.len();
+        let (passes, limits) = match (is_first, is_last) {
+            (true, _) => (PASSES, FIRST_NARROW),
+            (false, true) => (1, FINEST),
+            (false, false) => (1, NARROW),
+        };
         for _ in 0..passes {
             band = near_changes(&self.levels[number].grid, BAND);
             band.extend(&contours);
@@ -203,7 +216,9 @@ impl Solver<'_> {
             band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
             self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
             let samples = self.samples_in(number, &band);
-            let pulls = self.pulls(number, &samples, None);
+            let is_soft = is_first && self.anchor.is_none();
+            let targets = is_soft.then(|| self.soft_targets(number, &samples));
+            let pulls = self.pulls(number, &samples, targets.as_deref());
             self.solve(number, band.clone(), &pulls, limits)?;
         }
         Ok(band)
@@ -233,8 +248,8 @@ impl Solver<'_> {
     /// Interpolates leaves of the last level, and sets what the box fixes.
     fn ensure(&mut self, leaves: impl IntoIterator<Item = [i32; 3]>) {
         let mut levels = std::mem::take(&mut self.levels);
-        let settle = |level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]| {
-            self.settle(level, leaf, values);
+        let settle = |lattice: &Lattice, domain: &Domain, leaf, values: &mut LeafNodes| {
+            self.settle(lattice, domain, leaf, values);
         };
         ensure(&mut levels, leaves, &settle);
         self.levels = levels;
@@ -247,17 +262,17 @@ impl Solver<'_> {
     }
 
     /// What is not interpolated from below.
-    fn settle(&self, level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]) {
+    fn settle(&self, lattice: &Lattice, domain: &Domain, leaf: [i32; 3], values: &mut LeafNodes) {
         if self.anchor.is_none() {
-            self.settle_free(level, leaf, values);
+            self.settle_free(lattice, domain, leaf, values);
             return;
         }
-        let is_own = |lattice: &Lattice| lattice.voxel == level.lattice.voxel;
+        let is_own = |own: &Lattice| own.voxel == lattice.voxel;
         let number = self.scene.space.lattices.iter().position(is_own);
         let Some(number) = number.filter(|&number| self.starts_at_anchor(number)) else { return };
         for (node, value) in values.iter_mut().enumerate() {
             let at = node_of(leaf, node);
-            let is_end = self.scene.is_open && !level.lattice.is_inner(at);
+            let is_end = self.scene.is_open && !lattice.is_inner(at);
             let Some(distance) = self.anchored[number].value(at) else { continue };
             if number == 0 || f64::from(distance.abs()) < HALF_WIDTH && !is_end {
                 *value = distance;
@@ -268,19 +283,25 @@ impl Solver<'_> {
     /// Without anything to be drawn to: on the coarsest level all nodes, and on those on
     /// the wide box the ones beyond it, are as far outside as the nearest contour is
     /// away. Beyond the given box nodes are outside as they are, at least by the margin.
-    fn settle_free(&self, level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]) {
+    fn settle_free(
+        &self,
+        lattice: &Lattice,
+        domain: &Domain,
+        leaf: [i32; 3],
+        values: &mut LeafNodes,
+    ) {
         let Scene { space, is_open, .. } = self.scene;
-        let is_first = level.lattice.voxel == space.lattices[0].voxel;
-        let is_wide = space.is_wide(&level.lattice);
+        let is_first = lattice.voxel == space.lattices[0].voxel;
+        let is_wide = space.is_wide(lattice);
         let sign = if self.label == Label::OUTSIDE { 1.0 } else { -1.0 };
         let mut hint = Hint::default();
         for (node, value) in values.iter_mut().enumerate() {
             let offset = node_offset(node);
             let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
-            let is_fixed = !is_open && !level.lattice.is_inner(at);
+            let is_fixed = !is_open && !lattice.is_inner(at);
             if is_first || (is_fixed && is_wide) {
-                if level.has(at) {
-                    *value = sign * self.distance(level, level.lattice.position(at), &mut hint);
+                if domain.has(at) {
+                    *value = sign * self.distance(lattice, lattice.position(at), &mut hint);
                 }
             } else if is_fixed {
                 *value = sign * (sign * *value).max(MARGIN as f32);
@@ -289,13 +310,13 @@ impl Solver<'_> {
     }
 
     /// To the nearest contour, in voxels.
-    fn distance(&self, level: &Level, point: DVec3, hint: &mut Hint) -> f32 {
+    fn distance(&self, lattice: &Lattice, point: DVec3, hint: &mut Hint) -> f32 {
         let distance = self.outline.tree.distance(point, hint);
-        (distance.min(self.scene.space.bounds.diagonal()) / level.lattice.voxel) as f32
+        (distance.min(self.scene.space.bounds.diagonal()) / lattice.voxel) as f32
     }
 
-    /// For each sample how far inside it should be, in voxels.
-    fn soft_targets(&self, number: usize, samples: &[PlaneSample]) -> Vec<f32> {
+    /// For each even sample how far inside it should be, in voxels.
+    fn soft_targets(&self, number: usize, samples: &[PlaneSample]) -> Vec<Option<f32>> {
         const CHUNK: usize = 512;
         let level = &self.levels[number];
         samples
@@ -303,8 +324,9 @@ impl Solver<'_> {
             .flat_map_iter(|samples| {
                 let mut hint = Hint::default();
                 samples.iter().map(move |sample| {
-                    let distance = self.distance(level, sample.at, &mut hint);
-                    if sample.label == self.label { distance } else { -distance }
+                    let distance = || self.distance(&level.lattice, sample.at, &mut hint);
+                    let side = if sample.label == self.label { 1.0 } else { -1.0 };
+                    sample.is_even.then(distance).map(|distance| side * distance)
                 })
             })
             .collect()
@@ -317,11 +339,8 @@ impl Solver<'_> {
         for &leaf in band {
             inside.insert(leaf);
         }
-        let wanted = |at: DVec3| {
-            let node = ((at - origin) / voxel).floor().as_ivec3().to_array();
-            inside.has(leaf_of(node))
-        };
-        plane_samples(self.scene.sections, self.scene.space.bounds, voxel, wanted)
+        let region = Region::Leaves { leaves: &inside, origin, side: f64::from(SIDE) * voxel };
+        plane_samples(self.scene.sections, self.scene.space.bounds, voxel, region)
     }
 
     fn contour_places(&self, level: &Level) -> Vec<[f64; 3]> {
@@ -331,10 +350,16 @@ impl Solver<'_> {
     }
 
     /// What pulls at the field, by the values that it has.
-    fn pulls(&self, number: usize, samples: &[PlaneSample], targets: Option<&[f32]>) -> Vec<Pull> {
+    fn pulls(
+        &self,
+        number: usize,
+        samples: &[PlaneSample],
+        targets: Option<&[Option<f32>]>,
+    ) -> Vec<Pull> {
         let level = &self.levels[number];
         let Lattice { origin, voxel, .. } = level.lattice;
-        let soft = self.scene.weights.soft_weight(voxel, self.scene.unit);
+        let share = if number < self.scene.space.whole { 1.0 } else { SHARE_IN_BAND };
+        let soft = 4.0 * share * self.scene.weights.soft_weight(voxel, self.scene.unit);
         let contours = self.contour_places(level);
         let mut pulls: Vec<Pull> =
             contours.into_iter().map(|at| Pull { at, weight: FIRM, target: 0.0 }).collect();
@@ -342,7 +367,7 @@ impl Solver<'_> {
             let at = ((sample.at - origin) / voxel).to_array();
             let value = trilinear(level, at)?;
             let side = if sample.label == self.label { 1.0 } else { -1.0 };
-            let target = targets.map(|targets| targets[index]);
+            let target = targets.and_then(|targets| targets[index]);
             let margin = match target {
                 Some(target) => target.abs().min(MARGIN as f32),
                 None if side * value >= MARGIN as f32 => 0.0,
@@ -371,10 +396,11 @@ impl Solver<'_> {
     ) -> Result<f64> {
         let level = &self.levels[number];
         let is_free = |node: [i32; 3]| match self.scene.is_open {
-            true => level.has(node),
+            true => level.domain.has(node),
             false => level.lattice.is_inner(node),
         };
         leaves.retain(|&leaf| (0..LEAF_NODES).any(|node| is_free(node_of(leaf, node))));
+        leaves.par_sort_by_cached_key(|&leaf| along_curve(leaf));
         let domain = self.scene.is_open.then_some(level.domain);
         let mut system = System::new(leaves, is_free, domain, pulls);
         if let Some(anchor) = &self.anchor {
@@ -393,6 +419,21 @@ impl Solver<'_> {
     }
 }
 
+/// Where a leaf lies on the curve of Morton: what is near to each other in space is so
+/// there, and neighbours are found in the processor's cache.
+fn along_curve(leaf: [i32; 3]) -> u64 {
+    // A leaf beyond the box has the number −1.
+    leaf.map(|along| spread((along + 1) as u64)).iter().fold(0, |sum, along| sum << 1 | along)
+}
+
+/// The lower 21 bits, two zeros between each and the next.
+fn spread(number: u64) -> u64 {
+    [(32, 0x001f_0000_0000_ffff), (16, 0x001f_0000_ff00_00ff), (8, 0x100f_00f0_0f00_f00f)]
+        .into_iter()
+        .chain([(4, 0x10c3_0c30_c30c_30c3), (2, 0x1249_2492_4924_9249)])
+        .fold(number & 0x1f_ffff, |bits, (by, mask)| (bits | bits << by) & mask)
+}
+
 /// A node of a leaf in the lattice.
 pub fn node_of(leaf: [i32; 3], node: usize) -> [i32; 3] {
     let offset = node_offset(node);
@@ -401,16 +442,22 @@ pub fn node_of(leaf: [i32; 3], node: usize) -> [i32; 3] {
 
 /// The value at a place given in nodes, where all nodes around it have one.
 fn trilinear(level: &Level, at: [f64; 3]) -> Option<f32> {
-    let low = at.map(f64::floor);
+    let low = node_below(at);
     let [x, y, z] = std::array::from_fn(|axis| {
-        let high = (at[axis] - low[axis]) as f32;
+        let high = (at[axis] - f64::from(low[axis])) as f32;
         [1.0 - high, high]
     });
+    let first = low.map(|along| along.rem_euclid(SIDE) as usize);
+    let is_within = first.iter().all(|&along| along + 1 < LEAF_SIDE);
+    let leaf = if is_within { Some(level.grid.get(leaf_of(low))?) } else { None };
     let mut sum = 0.0;
     for corner in 0..8 {
         let step = [corner >> 2, corner >> 1 & 1, corner & 1];
-        let node = std::array::from_fn(|axis| low[axis] as i32 + step[axis] as i32);
-        sum += x[step[0]] * y[step[1]] * z[step[2]] * level.grid.value(node)?;
+        let value = match leaf {
+            Some(leaf) => leaf[node_index(std::array::from_fn(|axis| first[axis] + step[axis]))],
+            None => level.grid.value(std::array::from_fn(|axis| low[axis] + step[axis] as i32))?,
+        };
+        sum += x[step[0]] * y[step[1]] * z[step[2]] * value;
     }
     Some(sum)
 }

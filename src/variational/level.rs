@@ -3,8 +3,9 @@
 
 use rayon::prelude::*;
 
-use crate::grid::invariant::node_offset;
-use crate::grid::leaf_grid::{LeafGrid, LeafSet, NO_SLOT, around, leaf_of};
+use crate::grid::invariant::neighbor;
+use crate::grid::leaf::LeafNodes;
+use crate::grid::leaf_grid::{LeafGrid, LeafSet, NO_SLOT, around, leaf_of, node_below};
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 
 use super::system::{Domain, SIDE};
@@ -32,12 +33,6 @@ impl Level {
         let beyond = if is_open { 0 } else { 1 };
         let domain = Domain { low: [-beyond; 3], high: lattice.dims.map(|nodes| nodes + beyond) };
         Self { lattice, domain, grid: LeafGrid::new(domain.low, domain.high) }
-    }
-
-    /// Whether a node exists.
-    pub fn has(&self, node: [i32; 3]) -> bool {
-        let Domain { low, high } = self.domain;
-        (0..3).all(|axis| (low[axis]..high[axis]).contains(&node[axis]))
     }
 
     /// The leaves of `wanted` that may be there and have no values yet, sorted.
@@ -142,45 +137,41 @@ fn add(weights: &mut [f64; 4], place: i32, weight: f64) {
     }
 }
 
-/// Axis by axis, z first.
+/// Axis by axis, x first: then whole lines are added up, which vector instructions do.
 fn interpolate(
     coarse: &[f32; COARSE * COARSE * COARSE],
     [rows_x, rows_y, rows_z]: &[[Row; LEAF_SIDE]; 3],
     ratio: f32,
 ) -> [f32; LEAF_NODES] {
-    let mut along_z = [0.0; COARSE * COARSE * LEAF_SIDE];
-    for line in 0..COARSE * COARSE {
-        for (z, row) in rows_z.iter().enumerate() {
-            along_z[line * LEAF_SIDE + z] = row.of(&coarse[line * COARSE..], 1);
-        }
-    }
-    let mut along_y = [0.0; COARSE * LEAF_SIDE * LEAF_SIDE];
-    for x in 0..COARSE {
-        let plane = &along_z[x * COARSE * LEAF_SIDE..][..COARSE * LEAF_SIDE];
-        for (y, row) in rows_y.iter().enumerate() {
-            for z in 0..LEAF_SIDE {
-                let value = row.of(&plane[z..], LEAF_SIDE);
-                along_y[(x * LEAF_SIDE + y) * LEAF_SIDE + z] = value;
-            }
-        }
-    }
     let mut values = [0.0; LEAF_NODES];
+    let planes = coarse.as_chunks::<{ COARSE * COARSE }>().0;
     for (x, row) in rows_x.iter().enumerate() {
-        for line in 0..LEAF_SIDE * LEAF_SIDE {
-            let value = row.of(&along_y[line..], LEAF_SIDE * LEAF_SIDE);
-            values[x * LEAF_SIDE * LEAF_SIDE + line] = ratio * value;
+        let mut plane = [0.0; COARSE * COARSE];
+        row.add(planes, &mut plane);
+        for (y, row) in rows_y.iter().enumerate() {
+            let mut line = [0.0; COARSE];
+            row.add(plane.as_chunks().0, &mut line);
+            for (z, row) in rows_z.iter().enumerate() {
+                let near = &line[row.first as usize..][..4];
+                let value = |node: usize| row.weights[node] * near[node];
+                values[(x * LEAF_SIDE + y) * LEAF_SIDE + z] =
+                    ratio * ((value(0) + value(1)) + (value(2) + value(3)));
+            }
         }
     }
     values
 }
 
 impl Row {
-    /// The sum over its nodes, `stride` apart.
+    /// The sum over its lines of values, each as often as its node counts.
     #[inline(always)]
-    fn of(&self, values: &[f32], stride: usize) -> f32 {
-        let first = self.first as usize;
-        let value = |node: usize| self.weights[node] * values[(first + node) * stride];
-        (value(0) + value(1)) + (value(2) + value(3))
+    fn add<const LINE: usize>(&self, lines: &[[f32; LINE]], sum: &mut [f32; LINE]) {
+        let [a, b, c, d] = self.weights;
+        let [line_a, line_b, line_c, line_d] =
+            std::array::from_fn(|node| &lines[self.first as usize + node]);
+        for at in 0..LINE {
+            sum[at] = (a * line_a[at] + b * line_b[at]) + (c * line_c[at] + d * line_d[at]);
+        }
     }
 }
 
@@ -189,7 +180,7 @@ impl Row {
 pub fn ensure(
     levels: &mut [Level],
     leaves: impl IntoIterator<Item = [i32; 3]>,
-    settle: &(impl Fn(&Level, [i32; 3], &mut [f32; LEAF_NODES]) + Sync),
+    settle: &(impl Fn(&Lattice, &Domain, [i32; 3], &mut LeafNodes) + Sync),
 ) {
     let Some((level, below)) = levels.split_last_mut() else { return };
     let missing = level.missing(leaves);
@@ -201,20 +192,15 @@ pub fn ensure(
         ensure(below, needed, settle);
     }
     let coarser = below.last();
-    let values: Vec<[f32; LEAF_NODES]> = missing
-        .par_iter()
-        .map(|&leaf| {
-            let mut values = [0.0; LEAF_NODES];
-            if let Some(coarser) = coarser {
-                values = coarser.interpolated(leaf, &level.lattice);
-            }
-            settle(level, leaf, &mut values);
-            values
-        })
-        .collect();
-    let added = level.grid.add(missing);
-    let start = added.start * LEAF_NODES;
-    level.grid.values_mut()[start..].copy_from_slice(values.as_flattened());
+    let Level { lattice, domain, grid } = level;
+    let start = grid.add(missing.iter().copied()).start * LEAF_NODES;
+    let values = grid.values_mut()[start..].as_chunks_mut().0;
+    missing.par_iter().zip(values).for_each(|(&leaf, values)| {
+        if let Some(coarser) = coarser {
+            *values = coarser.interpolated(leaf, lattice);
+        }
+        settle(lattice, domain, leaf, values);
+    });
 }
 
 /// The leaves near where values change their sign, and those within `reach` nodes
@@ -238,49 +224,79 @@ pub fn near_changes(grid: &LeafGrid, reach: i32) -> Vec<[i32; 3]> {
 /// One bit for each of the 27 leaves around a leaf: whether a change of sign that
 /// begins in it is within reach.
 fn steps_to_mark(grid: &LeafGrid, slot: u32, reach: i32) -> u32 {
-    let leaf = grid.leaves()[slot as usize];
-    let values = grid.leaf(slot);
-    let next: [Option<&[f32; LEAF_NODES]>; 3] = std::array::from_fn(|axis| {
-        let mut next = leaf;
-        next[axis] += 1;
-        let slot = grid.slot(next);
-        (slot != NO_SLOT).then(|| grid.leaf(slot))
-    });
     let mut steps = 0;
-    for node in 0..LEAF_NODES {
-        let offset = node_offset(node);
-        for axis in 0..3 {
-            let stride = [64, 8, 1][axis];
-            let ahead = if offset[axis] + 1 < LEAF_SIDE {
-                values[node + stride]
-            } else {
-                let Some(next) = next[axis] else { continue };
-                next[node - (LEAF_SIDE - 1) * stride]
-            };
-            if (values[node] > 0.0) != (ahead > 0.0) {
-                steps |= steps_within(offset, axis, reach);
+    for (axis, changes) in changes_along_axes(grid, slot).into_iter().enumerate() {
+        if changes == [0; LEAF_SIDE] {
+            continue;
+        }
+        // The layers across an axis from which a leaf before, the own one and one
+        // behind are within reach; a change also concerns the next node along its axis.
+        let layers = |across: usize, step: usize| match step {
+            0 => 0..reach.min(SIDE),
+            1 => 0..SIDE,
+            _ => (SIDE - reach - i32::from(across == axis)).max(0)..SIDE,
+        };
+        for x in 0..3 {
+            let within = layers(0, x).fold(0, |within, layer| within | changes[layer as usize]);
+            for y in 0..3 {
+                let within =
+                    within & layers(1, y).fold(0, |mask, layer| mask | ROW << (SIDE * layer));
+                for z in 0..3 {
+                    let within =
+                        within & layers(2, z).fold(0, |mask, layer| mask | COLUMN << layer);
+                    steps |= u32::from(within != 0) << ((x * 3 + y) * 3 + z);
+                }
             }
         }
     }
     steps
 }
 
-/// The leaves within reach of a node and of the next one along an axis.
-fn steps_within(offset: [usize; 3], axis: usize, reach: i32) -> u32 {
-    let mut range = offset.map(|along| {
-        let along = along as i32;
-        [(along - reach).div_euclid(SIDE) + 1, (along + reach).div_euclid(SIDE) + 1]
-    });
-    range[axis][1] = (offset[axis] as i32 + 1 + reach).div_euclid(SIDE) + 1;
-    let mut steps = 0;
-    for x in range[0][0]..=range[0][1] {
-        for y in range[1][0]..=range[1][1] {
-            for z in range[2][0]..=range[2][1] {
-                steps |= 1 << ((x * 3 + y) * 3 + z);
+/// One bit for each node of a layer across x, by y and z: those with y = 0, and those
+/// with z = 0.
+const ROW: u64 = 0xff;
+const COLUMN: u64 = 0x0101_0101_0101_0101;
+
+/// For every axis the nodes, layer by layer along x, from which the sign changes to the
+/// next node along that axis.
+fn changes_along_axes(grid: &LeafGrid, slot: u32) -> [[u64; LEAF_SIDE]; 3] {
+    let leaf = grid.leaves()[slot as usize];
+    let values = grid.leaf(slot).as_chunks::<{ LEAF_SIDE * LEAF_SIDE }>().0;
+    let positive: [u64; LEAF_SIDE] = std::array::from_fn(|x| positive(&values[x]));
+    let next = |axis: usize| grid.get(neighbor(leaf, axis, true));
+    let mut changes = [[0; LEAF_SIDE]; 3];
+    for x in 0..LEAF_SIDE {
+        let own = positive[x];
+        if x + 1 < LEAF_SIDE {
+            changes[0][x] = own ^ positive[x + 1];
+        }
+        changes[1][x] = (own ^ own >> LEAF_SIDE) & !(ROW << (SIDE * (SIDE - 1)));
+        changes[2][x] = (own ^ own >> 1) & !(COLUMN << (SIDE - 1));
+    }
+    // From the last nodes to the first ones of the leaf behind.
+    if let Some(next) = next(0) {
+        let next = next.as_chunks::<{ LEAF_SIDE * LEAF_SIDE }>().0;
+        changes[0][LEAF_SIDE - 1] = positive[LEAF_SIDE - 1] ^ self::positive(&next[0]);
+    }
+    for axis in [1, 2] {
+        let Some(next) = next(axis) else { continue };
+        let stride = [0, 1, LEAF_SIDE][axis];
+        for x in 0..LEAF_SIDE {
+            for along in 0..LEAF_SIDE {
+                let first = along * stride;
+                let last = first + (LEAF_SIDE - 1) * [0, LEAF_SIDE, 1][axis];
+                let ahead = next[x * LEAF_SIDE * LEAF_SIDE + first] > 0.0;
+                let differs = (positive[x] >> last & 1 == 1) != ahead;
+                changes[axis][x] |= u64::from(differs) << last;
             }
         }
     }
-    steps
+    changes
+}
+
+/// One bit for each value: whether it is positive.
+fn positive(values: &[f32; LEAF_SIDE * LEAF_SIDE]) -> u64 {
+    values.iter().rev().fold(0, |bits, &value| bits << 1 | u64::from(value > 0.0))
 }
 
 /// The leaves within `reach` nodes of the cells that points lie in, given in
@@ -288,7 +304,7 @@ fn steps_within(offset: [usize; 3], axis: usize, reach: i32) -> u32 {
 pub fn near_points(points: &[[f64; 3]], reach: i32) -> Vec<[i32; 3]> {
     const CHUNK: usize = 1024;
     let range = |at: &[f64; 3]| {
-        let node = at.map(|along| along.floor() as i32);
+        let node = node_below(*at);
         [node.map(|along| along - reach), node.map(|along| along + 1 + reach)].map(leaf_of)
     };
     let of_chunk = |points: &[[f64; 3]]| {
@@ -315,6 +331,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::grid::invariant::node_offset;
     use crate::grid::lattice::Resolution;
     use crate::plane::Bounds;
 
@@ -326,11 +343,11 @@ mod tests {
     /// Fills a level with a function of world points, in its voxels.
     fn fill(level: &mut Level, value: impl Fn(DVec3) -> f64 + Sync) {
         let all: Vec<[i32; 3]> = level.grid.all_places().collect();
-        let settle = |level: &Level, leaf: [i32; 3], values: &mut [f32; LEAF_NODES]| {
+        let settle = |lattice: &Lattice, _: &Domain, leaf: [i32; 3], values: &mut LeafNodes| {
             for (node, own) in values.iter_mut().enumerate() {
                 let offset = node_offset(node);
                 let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
-                *own = (value(level.lattice.position(at)) / level.lattice.voxel) as f32;
+                *own = (value(lattice.position(at)) / lattice.voxel) as f32;
             }
         };
         ensure(std::slice::from_mut(level), all, &settle);
@@ -343,7 +360,7 @@ mod tests {
             let mut levels = [level(coarse, is_open), level(fine, is_open)];
             fill(&mut levels[0], value);
             let leaf = [1, 1, 1];
-            ensure(&mut levels, [leaf], &|_: &Level, _, _: &mut [f32; LEAF_NODES]| ());
+            ensure(&mut levels, [leaf], &|_, _, _, _| ());
             let [_, fine] = &levels;
             let slot = fine.grid.slot(leaf);
             for (node, &found) in fine.grid.leaf(slot).iter().enumerate() {
@@ -361,7 +378,7 @@ mod tests {
         let mut levels = [level(24, true), level(48, true)];
         fill(&mut levels[0], value);
         let all: Vec<[i32; 3]> = levels[1].grid.all_places().collect();
-        ensure(&mut levels, all, &|_: &Level, _, _: &mut [f32; LEAF_NODES]| ());
+        ensure(&mut levels, all, &|_, _, _, _| ());
         let fine = &levels[1];
         let [x, y, z] = fine.lattice.dims;
         for node in [[0, 0, 0], [x - 1, y - 1, z - 1], [0, y - 1, 5], [9, 0, z - 1]] {

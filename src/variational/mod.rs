@@ -13,9 +13,11 @@
 //!   contour of the label on any section, s = σ d, and m = min(d, ½);
 //! - the last sum is over samples on the wrong side, or nearer to the surface than m.
 //!   Which these are is found by solving several times (an *active set*);
+//! - the soft values s are wanted at one sample in four, which counts for all: they are
+//!   smooth, and to look for the distances takes longer than to solve;
 //! - w is small: it gives shape to what no contour is near to. It is the same
-//!   physical weight on the levels that are solved on the whole box, and 0 on the
-//!   others, whose band lies near the surface;
+//!   physical weight on the levels that are solved on the whole box, a quarter of it on
+//!   the next, and 0 on the others, whose band lies near the surface;
 //! - beyond a closed box f is −d (for *outside* d), and that box is wider than the one
 //!   that is filled; at an open one the boundary is natural: the sum over the Hessian
 //!   ends there.
@@ -73,7 +75,7 @@ use backend::Backend;
 use cpu::Cpu;
 use gpu::Gpu;
 use label_field::{LabelField, Scene};
-use plane_samples::plane_samples;
+use plane_samples::{Region, plane_samples};
 use specks::remove_specks;
 
 pub use trial::{Rate, Trial};
@@ -95,6 +97,10 @@ const WHOLE_NODES: f64 = 45_000.0;
 /// automatically: its threads are done with an iteration in about the time that a GPU
 /// takes to begin the five dispatches of one.
 const FEW_UNKNOWNS: u64 = 50_000;
+/// Levels between that one and the given lattice have so many voxels on the longest side
+/// of the box that is filled, or 2, 4, 8 … times as many: whatever is asked for, the
+/// shape comes from the same levels.
+const NARROW_VOXELS: f64 = 64.0;
 /// The next finer level has voxels smaller by this factor at least.
 const STEP: f64 = 1.3;
 
@@ -212,7 +218,8 @@ fn scene<'a>(
     backend: &'a dyn Backend,
 ) -> Scene<'a> {
     let &Space { bounds, wide, ref lattices, whole, .. } = space;
-    let everywhere = |lattice: &Lattice| plane_samples(sections, wide, lattice.voxel, |_| true);
+    let everywhere =
+        |lattice: &Lattice| plane_samples(sections, wide, lattice.voxel, Region::Everywhere);
     Scene {
         sections,
         space,
@@ -257,22 +264,26 @@ struct Space {
 }
 
 impl Space {
+    /// The given lattice is itself solved on all of its box when it is about as coarse as
+    /// what would be.
     fn new(bounds: Bounds, wide: Bounds, finest: &Lattice) -> Result<Self> {
         let longest = wide.size().max_element() / WHOLE_VOXELS;
-        let whole = longest.min((wide.volume() / WHOLE_NODES).cbrt()).max(finest.voxel);
-        let mut voxels = Vec::new();
-        let mut voxel = finest.voxel;
-        while voxel * STEP < whole {
-            voxels.push(voxel);
-            voxel *= 2.0;
+        let coarse = longest.min((wide.volume() / WHOLE_NODES).cbrt());
+        let is_coarse = finest.voxel * STEP >= coarse;
+        let whole = if is_coarse { finest.voxel } else { coarse };
+        let on = |bounds: Bounds, voxel: f64| Lattice::new(bounds, Resolution::VoxelSize(voxel));
+        let second = if is_coarse { *finest } else { on(wide, whole)? };
+        let mut lattices = vec![on(wide, 2.0 * whole)?, second];
+        let mut voxel = bounds.size().max_element() / NARROW_VOXELS;
+        while voxel >= finest.voxel * STEP {
+            if voxel * STEP < whole {
+                lattices.push(on(bounds, voxel)?);
+            }
+            voxel /= 2.0;
         }
-        voxels.extend([whole, 2.0 * whole]);
-        let lattice = |&voxel: &f64| match voxel {
-            _ if voxel == finest.voxel => Ok(*finest),
-            _ if voxel < whole => Lattice::new(bounds, Resolution::VoxelSize(voxel)),
-            _ => Lattice::new(wide, Resolution::VoxelSize(voxel)),
-        };
-        let lattices: Vec<Lattice> = voxels.iter().rev().map(lattice).collect::<Result<_>>()?;
+        if !is_coarse {
+            lattices.push(*finest);
+        }
         Ok(Self { bounds, wide, lattices, whole: 2 })
     }
 
@@ -280,5 +291,33 @@ impl Space {
     fn is_wide(&self, lattice: &Lattice) -> bool {
         let finest = self.lattices.last().map_or(0.0, |finest| finest.voxel);
         lattice.voxel >= self.lattices[self.whole - 1].voxel && lattice.voxel > finest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn the_last_lattice_is_the_given_one_and_those_before_are_always_the_same() {
+        for size in [DVec3::ONE, DVec3::new(1.0, 0.3, 0.2), DVec3::new(0.6, 1.0, 1.0)] {
+            let bounds = Bounds { min: -size, max: size };
+            let wide = bounds.grown(0.3);
+            let spaces = (16..=300).map(|voxels| {
+                let finest = Lattice::new(bounds, Resolution::Voxels(voxels)).unwrap();
+                let space = Space::new(bounds, wide, &finest).unwrap();
+                assert_eq!(space.lattices.last(), Some(&finest), "{voxels}");
+                assert!(space.lattices.is_sorted_by(|a, b| a.voxel >= b.voxel * STEP));
+                space
+            });
+            let spaces: Vec<Space> = spaces.collect();
+            let [.., largest] = &spaces[..] else { panic!() };
+            for space in spaces.iter().filter(|space| space.lattices.len() > 2) {
+                let given = space.lattices.len() - 1;
+                assert_eq!(space.lattices[..given], largest.lattices[..given]);
+            }
+        }
     }
 }

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use crate::grid::leaf_grid::{LeafSet, node_below};
 use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::Section;
@@ -14,6 +15,8 @@ pub struct PlaneSample {
     pub at: DVec3,
     /// The label there.
     pub label: Label,
+    /// Whether it is one of those in every second column of every second row.
+    pub is_even: bool,
 }
 
 /// A section seen from the front, u to the right and v up.
@@ -45,14 +48,29 @@ struct Crossing {
 /// Crossings so close, in spacings, may be in a wrong order.
 const ROUNDING: f64 = 1e-9;
 
+/// Where samples are wanted.
+#[derive(Debug, Clone, Copy)]
+pub enum Region<'a> {
+    /// In all of the box.
+    Everywhere,
+    /// In these leaves, which are cubes here.
+    Leaves {
+        /// The leaves.
+        leaves: &'a LeafSet,
+        /// Where leaf (0, 0, 0) begins.
+        origin: DVec3,
+        /// The side of a leaf.
+        side: f64,
+    },
+}
+
 /// The known points in a box of lattices with a spacing in world units on all
-/// sections' planes, those for which `wanted` says yes; section by section, row
-/// by row.
+/// sections' planes, those in a region; section by section, row by row.
 pub fn plane_samples(
     sections: &[Section],
     bounds: Bounds,
     spacing: f64,
-    wanted: impl Fn(DVec3) -> bool + Sync,
+    region: Region,
 ) -> Vec<PlaneSample> {
     let rows: Vec<(usize, i64)> = sections
         .iter()
@@ -67,7 +85,7 @@ pub fn plane_samples(
         .flat_map_iter(|(number, row)| {
             let drawing = &drawings[number];
             let mut samples = Vec::new();
-            drawing.sample_row(&crossings[number], bounds, spacing, row, &wanted, &mut samples);
+            drawing.sample_row(&crossings[number], bounds, spacing, row, region, &mut samples);
             samples
         })
         .collect()
@@ -165,7 +183,7 @@ impl Drawing {
         bounds: Bounds,
         spacing: f64,
         row: i64,
-        wanted: &(impl Fn(DVec3) -> bool + Sync),
+        region: Region,
         samples: &mut Vec<PlaneSample>,
     ) {
         let v = row as f64 * spacing;
@@ -184,16 +202,43 @@ impl Drawing {
         chain(&mut crossings, self.background, ROUNDING * spacing);
         let mut label = self.background;
         let mut crossings = crossings.into_iter().peekable();
-        for column in (from / spacing).ceil() as i64..=(to / spacing).floor() as i64 {
-            let u = column as f64 * spacing;
-            while let Some(crossing) = crossings.next_if(|crossing| crossing.at <= u) {
-                label = crossing.right;
-            }
-            let at = start + u * self.sides[0];
-            if label != Label::UNKNOWN && wanted(at) {
-                samples.push(PlaneSample { at, label });
+        let end = (to / spacing).floor() as i64 + 1;
+        let mut column = (from / spacing).ceil() as i64;
+        while column < end {
+            let (is_wanted, next) = region.run(start, spacing * self.sides[0], column);
+            let run = column..next.min(end);
+            column = run.end;
+            for column in run.take_while(|_| is_wanted) {
+                let u = column as f64 * spacing;
+                while let Some(crossing) = crossings.next_if(|crossing| crossing.at <= u) {
+                    label = crossing.right;
+                }
+                if label != Label::UNKNOWN {
+                    let is_even = row % 2 == 0 && column % 2 == 0;
+                    samples.push(PlaneSample { at: start + u * self.sides[0], label, is_even });
+                }
             }
         }
+    }
+}
+
+impl Region<'_> {
+    /// Whether point `number` of a row is wanted, and the next one that may differ.
+    fn run(self, start: DVec3, step: DVec3, number: i64) -> (bool, i64) {
+        let Region::Leaves { leaves, origin, side } = self else { return (true, i64::MAX) };
+        let (start, step) = ((start - origin) / side, step / side);
+        let leaf = start + number as f64 * step;
+        let leaf = node_below(leaf.to_array());
+        // Up to the face of the leaf that the row comes to first.
+        let mut count = f64::INFINITY;
+        for axis in 0..3 {
+            let face = f64::from(leaf[axis] + i32::from(step[axis] > 0.0));
+            if step[axis] != 0.0 {
+                count = count.min((face - start[axis]) / step[axis] - number as f64);
+            }
+        }
+        let count = if count < 1e9 { count.ceil().max(1.0) as i64 } else { 1_000_000_000 };
+        (leaves.has(leaf), number + count)
     }
 }
 
@@ -234,6 +279,7 @@ fn part_in(bounds: Bounds, start: DVec3, along: DVec3) -> Option<[f64; 2]> {
 mod tests {
     use super::*;
     use crate::check::shapes::disc;
+    use crate::grid::leaf_grid::LeafGrid;
     use crate::plane::Plane;
 
     #[test]
@@ -243,7 +289,7 @@ mod tests {
             let plane = Plane { normal, offset: 0.1 };
             let section = disc(plane, 0.5, 400, Label(3));
             let center = 0.1 / normal.length() * plane.unit_normal();
-            let samples = plane_samples(&[section], bounds, 0.02, |_| true);
+            let samples = plane_samples(&[section], bounds, 0.02, Region::Everywhere);
             let area = crate::plane::polygon_area(&plane.polygon_in(bounds)) / (0.02 * 0.02);
             assert!((samples.len() as f64 / area - 1.0).abs() < 0.03, "{}", samples.len());
             for sample in samples {
@@ -287,9 +333,33 @@ mod tests {
             Label::OUTSIDE => Label::UNKNOWN,
             other => other,
         });
-        let samples = plane_samples(&[unknown], bounds, 0.05, |at| at.x > 0.0);
-        assert!(samples.iter().all(|one| one.label == Label(3) && one.at.x > 0.0));
-        // Half the disc: π 0.5² / 2 over 0.05² is 157.
-        assert!((140..170).contains(&samples.len()), "{}", samples.len());
+        let samples = plane_samples(&[unknown], bounds, 0.05, Region::Everywhere);
+        assert!(samples.iter().all(|one| one.label == Label(3)));
+        // The disc: π 0.5² over 0.05² is 314.
+        assert!((300..330).contains(&samples.len()), "{}", samples.len());
+    }
+
+    #[test]
+    fn in_leaves_are_those_of_all_samples_that_lie_there() {
+        let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+        let grid = LeafGrid::new([-64; 3], [64; 3]);
+        let mut leaves = LeafSet::new(&grid);
+        for leaf in grid.all_places().filter(|[x, y, z]| (3 * x + 5 * y + 7 * z) % 4 == 1) {
+            leaves.insert(leaf);
+        }
+        // No sample lies where leaves meet, but for roundings of the shifted origin.
+        let (origin, side) = (DVec3::new(0.013, -0.0171, 0.0057), 0.171);
+        for normal in [DVec3::Z, DVec3::NEG_X, DVec3::new(0.3, -2.0, 0.4), DVec3::ONE] {
+            let section = disc(Plane { normal, offset: 0.1 }, 0.5, 400, Label(3));
+            let samples =
+                |region| plane_samples(std::slice::from_ref(&section), bounds, 0.02, region);
+            let mut expected = samples(Region::Everywhere);
+            expected.retain(|one| {
+                let leaf = ((one.at - origin) / side).floor().to_array();
+                leaves.has(leaf.map(|along| along as i32))
+            });
+            assert!(expected.len() > 500 && expected.len() < 5000, "{}", expected.len());
+            assert_eq!(samples(Region::Leaves { leaves: &leaves, origin, side }), expected);
+        }
     }
 }

@@ -1,9 +1,16 @@
 //! Pieces and bubbles that no section speaks for: nowhere in them does a section say
 //! their label, and no contour of it passes a node of them. They are where the smoothest field
 //! happens to swing across zero, and become what is around them.
+//!
+//! So do *splinters*, parts of a few nodes that come off where a contour is thinner than
+//! a voxel, if there is more of their label elsewhere. A part that holds a whole contour
+//! is none.
 
-use glam::DVec3;
+use std::collections::BTreeSet;
 
+use glam::{DVec2, DVec3};
+
+use crate::arrangement::components;
 use crate::grid::labels::{LabelGrid, node_in_leaf};
 use crate::grid::leaf::LeafOf;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
@@ -13,10 +20,13 @@ use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::Section;
 
-use super::plane_samples::plane_samples;
+use super::plane_samples::{Region, plane_samples};
 
 /// Samples of sections are so far apart, in voxels.
 const SPACING: f64 = 0.5;
+
+/// A part of fewer nodes may be a splinter.
+const FEW_NODES: u32 = 4;
 
 /// Removes them; returns how many there were. Such as reach into leaves without
 /// values stay.
@@ -38,6 +48,8 @@ struct Parts {
     runs: Runs<Label>,
     /// The part of each run.
     of_run: Vec<u32>,
+    /// Of each part how many nodes it has.
+    sizes: Vec<u32>,
     /// Of each part whether it stays.
     stays: Vec<bool>,
 }
@@ -48,7 +60,21 @@ impl Parts {
         let runs = Runs::new([x, y], |row, runs| add_runs(&labels, row, runs));
         let of_run = runs.parts(Neighbors::Six);
         let count = of_run.iter().max().map_or(0, |&last| last as usize + 1);
-        Self { labels, runs, of_run, stays: vec![false; count] }
+        let mut sizes = vec![0u32; count];
+        for (run, &part) in runs.runs.iter().zip(&of_run) {
+            let size = &mut sizes[part as usize];
+            *size = size.saturating_add((run.end - run.start) as u32);
+        }
+        Self { labels, runs, of_run, sizes, stays: vec![false; count] }
+    }
+
+    /// The labels of which some part that is no splinter stays.
+    fn labels_that_stay(&self) -> BTreeSet<Label> {
+        let parts = self.of_run.iter().map(|&part| part as usize);
+        (self.runs.runs.iter().zip(parts))
+            .filter(|&(_, part)| self.stays[part] && self.sizes[part] >= FEW_NODES)
+            .map(|(run, _)| run.label)
+            .collect()
     }
 
     fn nodes(&self, run: usize) -> impl Iterator<Item = [i32; 3]> + use<> {
@@ -80,29 +106,42 @@ impl Parts {
             }
         }
         let place = |at: DVec3| (at - lattice.origin) / lattice.voxel;
-        let wanted = |at: DVec3| doubtful.has(leaf_of(place(at).round().as_ivec3().to_array()));
-        for sample in plane_samples(sections, bounds, SPACING * lattice.voxel, wanted) {
-            let node = place(sample.at).round().as_ivec3().to_array();
-            self.keep(node, sample.label);
+        // A point counts for the node that is nearest to it.
+        let origin = lattice.origin - DVec3::splat(lattice.voxel / 2.0);
+        let side = LEAF_SIDE as f64 * lattice.voxel;
+        let region = Region::Leaves { leaves: &doubtful, origin, side };
+        let mut said: Vec<([i32; 3], Label)> = Vec::new();
+        for sample in plane_samples(sections, bounds, SPACING * lattice.voxel, region) {
+            said.push((place(sample.at).round().as_ivec3().to_array(), sample.label));
         }
         // And along contours, for what is thinner than the samples are apart.
         for section in sections {
+            let is_small = small_contours(section, f64::from(FEW_NODES) * lattice.voxel);
             for (edge, [start, end]) in section.edges().iter().zip(section.segments()) {
                 let count = (start.distance(end) / (SPACING * lattice.voxel)).ceil().max(1.0);
                 for step in 0..=count as u64 {
                     let at = place(start.lerp(end, step as f64 / count));
                     let node = at.round().as_ivec3().to_array();
-                    if doubtful.has(leaf_of(node)) {
-                        self.keep(node, edge.left);
-                        self.keep(node, edge.right);
+                    if !doubtful.has(leaf_of(node)) {
+                        continue;
+                    }
+                    for label in [edge.left, edge.right] {
+                        if is_small[edge.start as usize] {
+                            self.keep(node, label, 0);
+                        }
+                        said.push((node, label));
                     }
                 }
             }
         }
+        said.iter().for_each(|&(node, label)| self.keep(node, label, FEW_NODES));
+        let labels = self.labels_that_stay();
+        said.retain(|(_, label)| !labels.contains(label));
+        said.iter().for_each(|&(node, label)| self.keep(node, label, 0));
     }
 
-    /// Keeps the part of a node, where it has this label.
-    fn keep(&mut self, node: [i32; 3], label: Label) {
+    /// Keeps the part of a node, where it has this label and at least so many nodes.
+    fn keep(&mut self, node: [i32; 3], label: Label, nodes: u32) {
         let dims = self.labels.lattice.dims;
         if (0..3).any(|axis| !(0..dims[axis]).contains(&node[axis])) {
             return;
@@ -110,10 +149,27 @@ impl Parts {
         let row = self.runs.row(node[0] as usize * self.runs.dims[1] + node[1] as usize);
         let place = self.runs.runs[row.clone()].partition_point(|run| run.end <= node[2]);
         let run = row.start + place;
-        if self.runs.runs[run].label == label {
-            self.stays[self.of_run[run] as usize] = true;
+        let part = self.of_run[run] as usize;
+        if self.runs.runs[run].label == label && self.sizes[part] >= nodes {
+            self.stays[part] = true;
         }
     }
+}
+
+/// For every vertex of a section whether its contour, all that edges connect it with, is
+/// within a box with this diagonal.
+fn small_contours(section: &Section, diagonal: f64) -> Vec<bool> {
+    let vertices = section.vertices();
+    let edges = section.edges().iter().map(|edge| [edge.start, edge.end]);
+    let contours = components(vertices.len() as u32, edges);
+    let count = contours.iter().max().map_or(0, |&last| last as usize + 1);
+    let mut boxes = vec![[DVec2::INFINITY, DVec2::NEG_INFINITY]; count];
+    for (&vertex, &contour) in vertices.iter().zip(&contours) {
+        let [low, high] = &mut boxes[contour as usize];
+        (*low, *high) = (low.min(vertex), high.max(vertex));
+    }
+    let is_small = |[low, high]: [DVec2; 2]| low.distance(high) <= diagonal;
+    contours.into_iter().map(|contour| is_small(boxes[contour as usize])).collect()
 }
 
 /// The runs of a row, of all labels.
@@ -209,5 +265,32 @@ mod tests {
         // A contour at z = 0.3 passes the bubble's border, so it stays.
         let ring = section(0.3, DVec3::Z, 0.1);
         assert_eq!(components(&[section(0.0, DVec3::Z, 0.9), ring]), (0, 3));
+    }
+
+    #[test]
+    fn a_splinter_goes_unless_it_is_all_there_is() {
+        let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+        let lattice = Lattice { origin: DVec3::splat(-1.0), voxel: 0.04, dims: [51; 3] };
+        let floor = Plane { normal: DVec3::Z, offset: 0.0 };
+        // Two nodes at x = 0.72 and 0.76, and a ball or none.
+        let parts = |radius: f64, sections: &[Section]| {
+            let mut samples = samples(lattice, |node| {
+                let at = lattice.position(node);
+                let splinter = node == [43, 25, 25] || node == [44, 25, 25];
+                let ball = (radius - at.length()) / 0.04;
+                vec![if splinter { 0.3 } else { ball.clamp(-4.0, 4.0) as f32 }]
+            });
+            samples.values = Values::Distances;
+            let removed = remove_specks(&mut samples, sections, bounds);
+            let surface = dual(&samples, &Silent).unwrap().surface(Label(1));
+            (removed, surface.facts(false).unwrap().components)
+        };
+        // The section says the label there, as part of something large.
+        let large = disc(floor, 0.9, 60, Label(1));
+        assert_eq!(parts(0.5, std::slice::from_ref(&large)), (1, 1));
+        assert_eq!(parts(-1.0, std::slice::from_ref(&large)), (0, 1));
+        // Another one has a small contour of its own there.
+        let small = disc(Plane { normal: DVec3::X, offset: 0.74 }, 0.01, 12, Label(1));
+        assert_eq!(parts(0.5, &[large, small]), (0, 2));
     }
 }

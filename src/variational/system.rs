@@ -23,7 +23,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
-use crate::grid::leaf_grid::{LeafGrid, NO_SLOT, around, leaf_of};
+use crate::grid::leaf_grid::{LeafGrid, NO_SLOT, around, leaf_of, node_below};
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE};
 
 /// [`LEAF_SIDE`] for node indices.
@@ -95,6 +95,13 @@ pub struct Domain {
     pub low: [i32; 3],
     /// One beyond the last node.
     pub high: [i32; 3],
+}
+
+impl Domain {
+    /// Whether a node exists.
+    pub fn has(&self, node: [i32; 3]) -> bool {
+        (0..3).all(|axis| (self.low[axis]..self.high[axis]).contains(&node[axis]))
+    }
 }
 
 /// The system. Nodes that are not free, and all other leaves, are as they are.
@@ -180,7 +187,7 @@ impl Index {
 
     /// The leaves that a pull bears on: those of its cell's corners, each once.
     fn around(&self, pull: &Pull) -> [u32; 8] {
-        let low = pull.at.map(|along| along.floor() as i32);
+        let low = node_below(pull.at);
         let [low, high] = [leaf_of(low), leaf_of(low.map(|along| along + 1))];
         std::array::from_fn(|corner| {
             let step = [corner >> 2, corner >> 1 & 1, corner & 1];
@@ -236,11 +243,10 @@ fn sorted_samples(leaves: usize, index: &Index, pulls: &[Pull]) -> (Vec<Sample>,
 
 impl Sample {
     fn new(pull: &Pull, leaf: [i32; 3]) -> Self {
-        let low = pull.at.map(f64::floor);
-        let place = std::array::from_fn(|axis| (pull.at[axis] - low[axis]) as f32);
-        let [x, y, z] = std::array::from_fn(|axis| {
-            (low[axis] as i32 - leaf[axis] * SIDE + REACH as i32) as usize
-        });
+        let low = node_below(pull.at);
+        let place = std::array::from_fn(|axis| (pull.at[axis] - f64::from(low[axis])) as f32);
+        let [x, y, z] =
+            std::array::from_fn(|axis| (low[axis] - leaf[axis] * SIDE + REACH as i32) as usize);
         let node = ((x * PATCH + y) * PATCH + z) as u32;
         Self { place, node, weight: pull.weight, target: pull.target }
     }

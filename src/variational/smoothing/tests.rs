@@ -203,12 +203,17 @@ fn materials_stay_apart() {
     });
     let wall = smooth.mesh.sides.iter().zip(&smooth.mesh.triangles);
     let wall = wall.filter(|(sides, _)| **sides == [LABEL, Label(2)]);
-    let off = wall
-        .flat_map(|(_, triangle)| triangle.map(|vertex| smooth.mesh.vertices[vertex as usize].y))
-        .fold(0.0, |most: f64, y| most.max(y.abs()));
-    eprintln!("{volumes:?} {off} {voxel} {found:?}");
+    let places: Vec<DVec3> = wall
+        .flat_map(|(_, triangle)| triangle.map(|vertex| smooth.mesh.vertices[vertex as usize]))
+        .collect();
+    let off = |is_near: &dyn Fn(&&DVec3) -> bool| {
+        places.iter().filter(is_near).fold(0.0, |most: f64, at| most.max(at.y.abs()))
+    };
+    let off = [off(&|at| at.x.abs() < 0.8 && at.z.abs() < 1.3), off(&|_| true)];
+    eprintln!("{volumes:?} {off:?} {voxel} {found:?}");
     assert!((volumes[0] / volumes[1] - 1.0).abs() < 0.01, "{volumes:?}");
-    assert!(off < 0.2 * voxel, "{off}");
+    // Where *outside* is near, the lattice shows a little more.
+    assert!(off[0] < 0.1 * voxel && off[1] < 0.5 * voxel, "{off:?}");
 }
 
 #[test]
