@@ -2,7 +2,7 @@
 //! second for each backend beside the scalar f64 reference, and peak memory,
 //! for the bundled example and the real files there are; what it costs when a
 //! fifth of every section is unknown; unknowns × iterations per second of the
-//! variational solver's backends; points per second of the oracle beside
+//! variational solver's backends; how its seconds grow with the resolution; points per second of the oracle beside
 //! plain floats that look at every edge; and the exact reconstruction beside the
 //! way from sections to a mesh by the field.
 //!
@@ -48,6 +48,9 @@ const ORACLE_POINTS: [u32; 2] = [1_000_000, 100_000];
 /// about a second, and more for the others.
 const POINTS: [(&str, usize); 3] = [("reference", 20_000), ("cpu", 1_000_000), ("gpu", 200_000)];
 
+/// Voxels on the longest side for which the seconds of the default method are shown.
+const GROWTH: [u32; 5] = [96, 192, 384, 768, 512];
+
 /// What the solver is timed on: a software adapter has some half a million updates a
 /// second, so no more than it can do.
 const SOLVER_VOXELS: Resolution = Resolution::Voxels(96);
@@ -58,17 +61,17 @@ fn main() -> Result<()> {
     let files = files().into_iter().filter(|file| {
         wanted.is_empty() || wanted.iter().any(|part| name(file).contains(part.as_str()))
     });
+    let files: Vec<PathBuf> = files.collect();
     println!("{} threads, resolution 256, default options", rayon::current_num_threads());
     print!("\n{:<22}", "seconds");
     STAGES.iter().for_each(|stage| print!("{stage:>12}"));
     println!("{:>9}{:>11}{:>14}{:>14}", "all", "peak MiB", "evaluations", "triangles");
     let mut models = Vec::new();
-    for file in files {
+    for file in &files {
         let masked = Mask { blobs: Some(BLOBS), frame: None };
         for (method_name, method) in methods() {
-            let (model, known) = reconstruct(&file, method, Ok)?;
-            let (partial, unknown) =
-                reconstruct(&file, method, |sections| mask(sections, &masked))?;
+            let (model, known) = reconstruct(file, method, Ok)?;
+            let (partial, unknown) = reconstruct(file, method, |sections| mask(sections, &masked))?;
             let factor = unknown / known;
             println!("{method_name:<22}× {factor:.2} with a fifth unknown, the row above");
             if matches!(model.options().method, Method::MeanValue(_)) {
@@ -83,6 +86,12 @@ fn main() -> Result<()> {
     println!("\n{:<22}{:>14}  M unknowns × iterations a second of the solver", "", "unknowns");
     for (name, model, _) in &models {
         solver_rates(name, model)?;
+    }
+    print!("\n{:<22}", "field, seconds at");
+    GROWTH.iter().for_each(|voxels| print!("{voxels:>12}"));
+    println!("{:>16}{:>11}  at the last", "µs an unknown", "peak MiB");
+    for file in &files {
+        growth(file)?;
     }
     println!("\n{:<22}M points a second of the oracle (× plain floats)", "");
     for (name, model, partial) in &models {
@@ -151,6 +160,25 @@ fn reconstruct(
         derived.mesh.triangles.len()
     );
     Ok((model, stages.seconds()))
+}
+
+/// One row of the table of resolutions.
+fn growth(file: &Path) -> Result<()> {
+    print!("{:<22}", name(file));
+    let rules = Rules::default();
+    let sections = io::read_sections(file, &rules)?;
+    let mut last = Stages::default();
+    for voxels in GROWTH {
+        let mut stages = Stages::default();
+        let resolution = Resolution::Voxels(voxels);
+        let mut model = Model::new(Options { resolution, ..Options::default() });
+        model.apply(Change::Add(sections.clone()), &rules, &mut stages, &Silent)?;
+        print!("{:>12.3}", stages.seconds_of("field"));
+        last = stages;
+    }
+    let an_unknown = last.seconds_of("field") / last.count_of("unknowns") as f64;
+    println!("{:>16.3}{:>11}", 1e6 * an_unknown, last.peak_memory() >> 20);
+    Ok(())
 }
 
 /// One row of the table of the exact reconstruction.
