@@ -64,7 +64,9 @@ impl Stages {
 
     /// The seconds of the stages with this name.
     pub fn seconds_of(&self, name: &str) -> f64 {
-        self.stages.iter().filter(|stage| stage.name == name).map(|stage| stage.seconds).sum()
+        // A sum of nothing would be −0.
+        let own = self.stages.iter().filter(|stage| stage.name == name);
+        own.fold(0.0, |sum, stage| sum + stage.seconds)
     }
 
     /// The sum of a count over all stages.
