@@ -76,7 +76,7 @@ fn main() -> Result<()> {
             let factor = unknown / known;
             println!("{method_name:<22}× {factor:.2} with a fifth unknown, the row above");
             if matches!(model.options().method, Method::MeanValue(_)) {
-                models.push((name(&file), model, partial));
+                models.push((name(file), model, partial));
             }
         }
     }
