@@ -101,7 +101,8 @@ const FEW_UNKNOWNS: u64 = 50_000;
 /// of the box that is filled, or 2, 4, 8 … times as many: whatever is asked for, the
 /// shape comes from the same levels.
 const NARROW_VOXELS: f64 = 64.0;
-/// The next finer level has voxels smaller by this factor at least.
+/// The next finer level has voxels smaller by this factor at least, but for the given
+/// lattice.
 const STEP: f64 = 1.3;
 
 /// What counts how much.
@@ -264,12 +265,12 @@ struct Space {
 }
 
 impl Space {
-    /// The given lattice is itself solved on all of its box when it is about as coarse as
-    /// what would be.
+    /// The given lattice is itself solved on all of its box when it is as coarse as what
+    /// would be.
     fn new(bounds: Bounds, wide: Bounds, finest: &Lattice) -> Result<Self> {
         let longest = wide.size().max_element() / WHOLE_VOXELS;
         let coarse = longest.min((wide.volume() / WHOLE_NODES).cbrt());
-        let is_coarse = finest.voxel * STEP >= coarse;
+        let is_coarse = finest.voxel >= coarse;
         let whole = if is_coarse { finest.voxel } else { coarse };
         let on = |bounds: Bounds, voxel: f64| Lattice::new(bounds, Resolution::VoxelSize(voxel));
         let second = if is_coarse { *finest } else { on(wide, whole)? };
@@ -309,7 +310,9 @@ mod tests {
                 let finest = Lattice::new(bounds, Resolution::Voxels(voxels)).unwrap();
                 let space = Space::new(bounds, wide, &finest).unwrap();
                 assert_eq!(space.lattices.last(), Some(&finest), "{voxels}");
-                assert!(space.lattices.is_sorted_by(|a, b| a.voxel >= b.voxel * STEP));
+                let [before @ .., _] = &space.lattices[..] else { panic!() };
+                assert!(before.is_sorted_by(|a, b| a.voxel >= b.voxel * STEP));
+                assert!(space.lattices.is_sorted_by(|a, b| a.voxel > b.voxel));
                 space
             });
             let spaces: Vec<Space> = spaces.collect();
