@@ -17,7 +17,7 @@ use super::backend::{Backend, Limits};
 use super::cpu::residual;
 use super::level::{Level, ensure, leaves_between, near_changes, near_points};
 use super::outline::Outline;
-use super::plane_samples::{PlaneSample, Region, plane_samples};
+use super::plane_samples::{PlaneSample, Region, SAMPLES_PER_EVEN, plane_samples};
 use super::segments::Hint;
 use super::system::{Domain, Pull, SIDE, System};
 use super::{Effort, Space, Weights};
@@ -359,7 +359,8 @@ impl Solver<'_> {
         let level = &self.levels[number];
         let Lattice { origin, voxel, .. } = level.lattice;
         let share = if number < self.scene.space.whole { 1.0 } else { SHARE_IN_BAND };
-        let soft = 4.0 * share * self.scene.weights.soft_weight(voxel, self.scene.unit);
+        let weight = share * self.scene.weights.soft_weight(voxel, self.scene.unit);
+        let soft = SAMPLES_PER_EVEN * weight;
         let contours = self.contour_places(level);
         let mut pulls: Vec<Pull> =
             contours.into_iter().map(|at| Pull { at, weight: FIRM, target: 0.0 }).collect();

@@ -45,6 +45,8 @@ struct Crossing {
     right: Label,
 }
 
+/// Of so many samples one [is even](PlaneSample::is_even).
+pub const SAMPLES_PER_EVEN: f32 = 4.0;
 /// Crossings so close, in spacings, may be in a wrong order.
 const ROUNDING: f64 = 1e-9;
 
