@@ -7,6 +7,8 @@ const SIDE: u32 = 8u;
 const NODES: u32 = 512u;
 const PATCH: u32 = 12u; // a leaf with the two nodes that its stencil reaches
 const PATCH_NODES: u32 = 1728u;
+const INNER: u32 = 10u; // of these the ones with all neighbours in the patch
+const INNER_NODES: u32 = 1000u;
 const CELLS: u32 = 729u; // cells with a corner in the leaf: 9 along each axis
 const NONE: u32 = 0xffffffffu;
 
@@ -33,6 +35,14 @@ struct Sample {
     goal: f32,
 }
 
+// Of second differences, from a node to the next.
+struct Direction {
+    x: i32,
+    y: i32,
+    z: i32,
+    weight: f32,
+}
+
 struct State {
     leaves: u32,
     // The nodes that exist: from low up to, without, high.
@@ -52,6 +62,8 @@ struct State {
     goal: f32,
     // What the next stage multiplies by.
     factor: f32,
+    count: u32,
+    directions: array<Direction, 6>,
 }
 
 @group(0) @binding(0) var<storage, read> leaves: array<Leaf>;
@@ -70,6 +82,8 @@ struct State {
 @group(0) @binding(9) var<storage, read_write> next: State;
 
 var<workgroup> nearby: array<f32, PATCH_NODES>;
+// L of that.
+var<workgroup> bent: array<f32, INNER_NODES>;
 // For each cell the first of its samples among those of the turn, or NONE.
 var<workgroup> firsts: array<u32, CELLS>;
 // By how much samples pull at their corners.
@@ -101,9 +115,12 @@ fn value_around(leaf: u32, index: u32) -> f32 {
     return direction[slot * NODES + (node.x * SIDE + node.y) * SIDE + node.z];
 }
 
-fn patch_index(node: u32) -> u32 {
-    let at = vec3<u32>(node / 64u, node / 8u % 8u, node % 8u) + 2u;
+fn patch_index_of(at: vec3<u32>) -> u32 {
     return (at.x * PATCH + at.y) * PATCH + at.z;
+}
+
+fn patch_index(node: u32) -> u32 {
+    return patch_index_of(vec3<u32>(node / 64u, node / 8u % 8u, node % 8u) + 2u);
 }
 
 fn is_free(leaf: u32, node: u32) -> bool {
@@ -114,74 +131,91 @@ const X: u32 = 144u;
 const Y: u32 = 12u;
 const Z: u32 = 1u;
 
-// The four nodes around one in the plane of two axes.
-fn edges(at: u32, one: u32, other: u32) -> f32 {
-    return (nearby[at - one - other] + nearby[at - one + other])
-        + (nearby[at + one - other] + nearby[at + one + other]);
+// From a node of a patch to the next in a direction; below 0 it wraps around.
+fn step_in_patch(way: vec3<i32>) -> u32 {
+    return u32((way.x * 12 + way.y) * 12 + way.z);
 }
 
-fn ends(at: u32, step: u32) -> f32 {
-    return nearby[at - step] + nearby[at + step];
+// L f = Σ weight (f before − 2 f + f after), at an inner node of a patch.
+fn bending(index: u32) -> f32 {
+    let at = patch_index_of(vec3<u32>(index / 100u, index / 10u % 10u, index % 10u) + 1u);
+    var sum = 0.0;
+    for (var d = 0u; d < state.count; d++) {
+        let step = step_in_patch(way(d));
+        let ends = nearby[at - step] + nearby[at + step];
+        sum += state.directions[d].weight * (ends - 2.0 * nearby[at]);
+    }
+    return sum;
 }
 
-// Half the gradient of Σ‖Hess f‖², inside.
-fn stencil(at: u32) -> f32 {
-    let faces = ends(at, X) + ends(at, Y) + ends(at, Z);
-    let edge = edges(at, X, Y) + edges(at, X, Z) + edges(at, Y, Z);
-    let far = ends(at, 2u * X) + ends(at, 2u * Y) + ends(at, 2u * Z);
-    return (42.0 * nearby[at] - 12.0 * faces) + (2.0 * edge + far);
+// Half the gradient of Σ‖Hess f‖², inside: L of what L makes of f.
+fn stencil(node: u32) -> f32 {
+    let at = (vec3<u32>(node / 64u, node / 8u % 8u, node % 8u) + 1u);
+    let here = (at.x * INNER + at.y) * INNER + at.z;
+    var sum = 0.0;
+    for (var d = 0u; d < state.count; d++) {
+        let w = way(d);
+        let step = u32((w.x * 10 + w.y) * 10 + w.z);
+        let ends = bent[here - step] + bent[here + step];
+        sum += state.directions[d].weight * (ends - 2.0 * bent[here]);
+    }
+    return sum;
 }
 
-// Which of the nodes from two before to two after exist along an axis, as 0 or 1.
-struct Existing {
-    far_before: f32,
-    before: f32,
-    after: f32,
-    far_after: f32,
+fn way(d: u32) -> vec3<i32> {
+    return vec3<i32>(state.directions[d].x, state.directions[d].y, state.directions[d].z);
 }
 
-fn existing(along: i32, low: i32, high: i32) -> Existing {
-    return Existing(
-        select(0.0, 1.0, along - 2 >= low && along - 2 < high),
-        select(0.0, 1.0, along - 1 >= low && along - 1 < high),
-        select(0.0, 1.0, along + 1 >= low && along + 1 < high),
-        select(0.0, 1.0, along + 2 >= low && along + 2 < high),
-    );
+// Whether a node exists, as 0 or 1.
+fn existing(node: vec3<i32>) -> f32 {
+    let low = vec3<i32>(state.low_x, state.low_y, state.low_z);
+    let high = vec3<i32>(state.high_x, state.high_y, state.high_z);
+    return select(0.0, 1.0, all(node >= low) && all(node < high));
 }
 
-// δxxᵀ δxx: of the second differences around the node before, here and after,
+// δddᵀ δdd: of the second differences around the node before, here and after,
 // those whose nodes all exist.
-fn second(at: u32, step: u32, has: Existing) -> f32 {
+fn second(at: u32, node: vec3<i32>, one: vec3<i32>) -> f32 {
+    let step = step_in_patch(one);
     let here = nearby[at];
     let before = nearby[at - step];
     let after = nearby[at + step];
-    let first = has.far_before * has.before * (nearby[at - 2u * step] - 2.0 * before + here);
-    let middle = has.before * has.after * (before - 2.0 * here + after);
-    let last = has.after * has.far_after * (here - 2.0 * after + nearby[at + 2u * step]);
+    let has_before = existing(node - one);
+    let has_after = existing(node + one);
+    let first = existing(node - 2 * one) * has_before
+        * (nearby[at - 2u * step] - 2.0 * before + here);
+    let middle = has_before * has_after * (before - 2.0 * here + after);
+    let last = has_after * existing(node + 2 * one)
+        * (here - 2.0 * after + nearby[at + 2u * step]);
     return first - 2.0 * middle + last;
 }
 
-// (δx δy)ᵀ δx δy, twice: of the four squares at a node those whose nodes all exist.
-fn mixed(at: u32, one: u32, has: Existing, other: u32, has_other: Existing) -> f32 {
-    let here = nearby[at];
-    let before = nearby[at - one];
-    let after = nearby[at + one];
-    let low = nearby[at - other];
-    let high = nearby[at + other];
-    let sum = has.before * has_other.before * (here - before - low + nearby[at - one - other])
-        + has.before * has_other.after * (here - before - high + nearby[at - one + other])
-        + has.after * has_other.before * (here - after - low + nearby[at + one - other])
-        + has.after * has_other.after * (here - after - high + nearby[at + one + other]);
-    return 2.0 * sum;
+// (δd δe)ᵀ δd δe: of the four parallelograms at a node those whose nodes all exist.
+fn mixed(at: u32, node: vec3<i32>, one: vec3<i32>, other: vec3<i32>) -> f32 {
+    var sum = 0.0;
+    for (var corner = 0u; corner < 4u; corner++) {
+        let d = select(one, -one, (corner & 1u) != 0u);
+        let e = select(other, -other, (corner & 2u) != 0u);
+        let has = existing(node + d) * existing(node + e) * existing(node + d + e);
+        let along = nearby[at + step_in_patch(d)] + nearby[at + step_in_patch(e)];
+        sum += has * (nearby[at] - along + nearby[at + step_in_patch(d + e)]);
+    }
+    return sum;
 }
 
 // The same near a natural boundary.
-fn stencil_at_boundary(leaf: u32, node: u32, at: u32) -> f32 {
-    let x = existing(leaves[leaf].x + i32(node / 64u), state.low_x, state.high_x);
-    let y = existing(leaves[leaf].y + i32(node / 8u % 8u), state.low_y, state.high_y);
-    let z = existing(leaves[leaf].z + i32(node % 8u), state.low_z, state.high_z);
-    return second(at, X, x) + second(at, Y, y) + second(at, Z, z)
-        + mixed(at, X, x, Y, y) + mixed(at, X, x, Z, z) + mixed(at, Y, y, Z, z);
+fn stencil_at_boundary(leaf: u32, local: u32, at: u32) -> f32 {
+    let first = vec3<i32>(leaves[leaf].x, leaves[leaf].y, leaves[leaf].z);
+    let node = first + vec3<i32>(vec3<u32>(local / 64u, local / 8u % 8u, local % 8u));
+    var sum = 0.0;
+    for (var d = 0u; d < state.count; d++) {
+        let weight = state.directions[d].weight;
+        sum += weight * weight * second(at, node, way(d));
+        for (var e = 0u; e < d; e++) {
+            sum += 2.0 * weight * state.directions[e].weight * mixed(at, node, way(d), way(e));
+        }
+    }
+    return sum;
 }
 
 fn reaches_beyond(first: i32, low: i32, high: i32) -> bool {
@@ -262,8 +296,12 @@ fn apply(
         out[0] = stencil_at_boundary(leaf, nodes[0], at[0]);
         out[1] = stencil_at_boundary(leaf, nodes[1], at[1]);
     } else {
-        out[0] = stencil(at[0]);
-        out[1] = stencil(at[1]);
+        for (var index = local; index < INNER_NODES; index += GROUP) {
+            bent[index] = bending(index);
+        }
+        workgroupBarrier();
+        out[0] = stencil(nodes[0]);
+        out[1] = stencil(nodes[1]);
     }
     // As many samples a turn as there are invocations.
     let end_sample = leaves[leaf].end_sample;

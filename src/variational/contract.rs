@@ -3,16 +3,22 @@
 
 use std::collections::BTreeSet;
 
+use glam::DVec3;
+
 use super::backend::{Backend, Limits};
 use super::cpu::{Cpu, inverse_diagonal, residual};
 use super::gpu::Gpu;
+use super::metric::{DIRECTIONS, Direction, Metric};
 use super::reference::{Node, Reference, Vector, cube};
 use super::system::{Domain, Pull, SIDE, System};
+use crate::check::shapes::disc;
 use crate::error::Error;
 use crate::field::Adapter;
 use crate::grid::invariant::node_offset;
 use crate::grid::leaf_grid::{LeafGrid, around};
 use crate::grid::samples::LEAF_NODES;
+use crate::label::Label;
+use crate::plane::Plane;
 use crate::random::Random;
 
 /// Of a row of A x with absolute values all over: f32 rounds by 6e-8, and to a node's
@@ -70,16 +76,17 @@ pub struct Case {
     free: BTreeSet<Node>,
     domain: Option<Domain>,
     pulls: Vec<Pull>,
+    directions: Vec<Direction>,
 }
 
 impl Case {
     pub fn system(&self) -> System {
         let is_free = |node| self.free.contains(&node);
-        System::new(self.leaves.clone(), is_free, self.domain, &self.pulls)
+        System::new(self.leaves.clone(), is_free, self.domain, &self.pulls, &self.directions)
     }
 
     fn reference(&self) -> Reference {
-        Reference::new(&self.free, self.domain, &self.pulls)
+        Reference::new(&self.free, self.domain, &self.pulls, &self.directions)
     }
 
     /// A vector as backends have it.
@@ -128,7 +135,23 @@ fn pulls(random: &mut Random, count: usize, low: Node, high: Node) -> Vec<Pull> 
     (0..count).map(pull).collect()
 }
 
+/// Those of sections with these normals.
+fn along(normals: &[DVec3]) -> Vec<Direction> {
+    let disc = |&normal: &DVec3| disc(Plane { normal, offset: 0.0 }, 1.0, 8, Label(1));
+    Metric::new(&normals.iter().map(disc).collect::<Vec<_>>()).directions()
+}
+
+/// Systems of every kind, each for sections in all directions, for a stack along an axis,
+/// and for one that leans.
 pub fn cases() -> Vec<Case> {
+    let leaning = along(&[DVec3::new(1.0, -2.0, 0.7)]);
+    assert_eq!(leaning.len(), DIRECTIONS);
+    let all = [along(&[]), along(&[DVec3::Y]), leaning];
+    all.iter().flat_map(cases_along).collect()
+}
+
+fn cases_along(directions: &Vec<Direction>) -> Vec<Case> {
+    let directions = || directions.clone();
     let mut random = Random::new(1);
     let within = |leaves: &[Node], wanted: &dyn Fn(Node) -> bool| {
         leaves.iter().flat_map(|&leaf| nodes(leaf)).filter(|&node| wanted(node)).collect()
@@ -143,13 +166,27 @@ pub fn cases() -> Vec<Case> {
     let mut all = pulls(&mut random, 300, [-10, -2, -2], [10, 18, 18]);
     all.extend(pulls(&mut random, 700, [24, 24, 24], [33, 33, 33]));
     let free = within(&leaves, &|_| true);
-    cases.push(Case { name: "band", leaves, free, domain: None, pulls: all });
+    cases.push(Case {
+        name: "band",
+        leaves,
+        free,
+        domain: None,
+        pulls: all,
+        directions: directions(),
+    });
     // A closed box whose nodes from (−1, 2, 3) on are free, but for some.
     let leaves: Vec<Node> = cube([-1, 0, 0], 0, 2).collect();
     let wanted = inside([-1, 2, 3], [7, 11, 15]);
     let free = within(&leaves, &|node| wanted(node) && (node[0] + 2 * node[1] + node[2]) % 5 != 0);
     let all = pulls(&mut random, 100, [-1, 2, 3], [7, 11, 15]);
-    cases.push(Case { name: "closed box", leaves, free, domain: None, pulls: all });
+    cases.push(Case {
+        name: "closed box",
+        leaves,
+        free,
+        domain: None,
+        pulls: all,
+        directions: directions(),
+    });
     // A natural boundary on all sides, and nothing that pulls; the energy is 0 for
     // linear functions there.
     let boxes: [(_, Node, Node, _); 4] = [
@@ -163,7 +200,14 @@ pub fn cases() -> Vec<Case> {
         let leaves: Vec<Node> = cube(first, 0, 3).collect();
         let free = within(&leaves, &inside(low, high));
         let pulls = pulls(&mut random, count, low, high);
-        cases.push(Case { name, leaves, free, domain: Some(Domain { low, high }), pulls });
+        cases.push(Case {
+            name,
+            leaves,
+            free,
+            domain: Some(Domain { low, high }),
+            pulls,
+            directions: directions(),
+        });
     }
     cases
 }
@@ -253,7 +297,7 @@ fn gives_the_same_bytes_again(make: Make) {
 
 fn solves_nothing(make: Make) {
     let Some(backend) = make() else { return };
-    let system = System::new(Vec::new(), |_| true, None, &[]);
+    let system = System::new(Vec::new(), |_| true, None, &[], &along(&[]));
     let limits = Limits { iterations: 20, tolerance: 1e-6, of: None };
     assert!(backend.apply(&system, &[]).unwrap().is_empty());
     assert!(backend.correct(&system, Vec::new(), limits).unwrap().values.is_empty());

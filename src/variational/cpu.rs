@@ -72,8 +72,10 @@ fn apply(system: &System, leaf: usize, values: &[f32], out: &mut Nodes) -> f64 {
     let mut patch = [0.0; PATCH_NODES];
     gather(system, leaf, values, &mut patch);
     match system.domain_near(system.leaves[leaf]) {
-        None => stencil(&patch, out),
-        Some(domain) => stencil_at_boundary(&patch, system.leaves[leaf], domain, out),
+        None => stencil(&patch, &system.directions, out),
+        Some(domain) => {
+            stencil_at_boundary(&patch, system.leaves[leaf], domain, &system.directions, out);
+        }
     }
     add_samples(&patch, system.samples_of(leaf), |sample, value| sample.weight * value, out);
     if let Some(anchors) = &system.anchors {
@@ -151,8 +153,8 @@ pub fn residual(system: &System, grid: &LeafGrid) -> Vec<f32> {
         let mut patch = [0.0; PATCH_NODES];
         grid.gather::<PATCH>(at.map(|along| along * SIDE - REACH as i32), &mut patch);
         match system.domain_near(at) {
-            None => stencil(&patch, out),
-            Some(domain) => stencil_at_boundary(&patch, at, domain, out),
+            None => stencil(&patch, &system.directions, out),
+            Some(domain) => stencil_at_boundary(&patch, at, domain, &system.directions, out),
         }
         let samples = system.samples_of(leaf);
         add_samples(&patch, samples, |one, value| one.weight * (value - one.target), out);
@@ -172,7 +174,7 @@ pub fn inverse_diagonal(system: &System) -> Vec<f32> {
     let leaves = diagonal.as_chunks_mut::<LEAF_NODES>().0;
     leaves.par_iter_mut().enumerate().with_min_len(FEW).for_each(|(leaf, out)| {
         let at = system.leaves[leaf];
-        stencil_diagonal(at, system.domain_near(at), out);
+        stencil_diagonal(at, system.domain_near(at), &system.directions, out);
         add_sample_diagonal(system.samples_of(leaf), out);
         if let Some(anchors) = &system.anchors {
             let [weights, _] = anchors.of(leaf);

@@ -16,6 +16,7 @@ use super::anchor::{Anchor, Original};
 use super::backend::{Backend, Limits};
 use super::cpu::residual;
 use super::level::{Level, ensure, leaves_between, near_changes, near_points};
+use super::metric::{Direction, Metric};
 use super::outline::Outline;
 use super::plane_samples::{PlaneSample, Region, SAMPLES_PER_EVEN, plane_samples};
 use super::segments::Hint;
@@ -28,10 +29,6 @@ const FIRM: f32 = 10.0;
 const MARGIN: f64 = 0.5;
 /// Contour samples are so far apart, in voxels.
 const CONTOUR_SPACING: f64 = 0.5;
-/// Soft values count so much less on the coarsest level that has a band. Without any, what
-/// is between sections drifts, the more the wider the band, and so the coarser the level
-/// is; in full they take from what is thin.
-const SHARE_IN_BAND: f32 = 0.25;
 /// Unknowns reach so many nodes beyond changes of sign and contours.
 const BAND: i32 = 2;
 /// Times that the samples on the wrong side are looked for.
@@ -41,8 +38,8 @@ const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: None };
 /// In the band of the coarsest level that has one. What is solved there is all that
 /// finer levels know of the shape between sections, whatever their voxels.
 const FIRST_NARROW: Limits = Limits { iterations: 100, tolerance: 1e-3, of: None };
-/// In the band of the others.
-const NARROW: Limits = Limits { iterations: 50, tolerance: 1e-3, of: None };
+/// In the band of the others. With more of them walls as thin as sections are apart shrink.
+const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-3, of: None };
 /// And of the finest: what is wrong with the interpolated values is as short there as the
 /// voxels, and soon mended; what is longer, coarser levels have seen to.
 const FINEST: Limits = Limits { iterations: 15, tolerance: 1e-3, of: None };
@@ -51,6 +48,9 @@ const FINEST: Limits = Limits { iterations: 15, tolerance: 1e-3, of: None };
 pub struct Scene<'a> {
     pub sections: &'a [Section],
     pub space: &'a Space,
+    pub metric: Metric,
+    /// Those of second differences.
+    pub directions: Vec<Direction>,
     pub is_open: bool,
     /// What the sections say on each of the lattices over the whole box.
     pub samples: Vec<Vec<PlaneSample>>,
@@ -94,7 +94,7 @@ impl LabelField {
     /// # Errors
     /// When the backend fails.
     pub fn new(scene: &Scene, label: Label) -> Result<Self> {
-        let outline = Outline::new(scene.sections, label);
+        let outline = Outline::new(scene.sections, label, scene.metric);
         let finest = scene.space.lattices[scene.space.lattices.len() - 1].voxel;
         let anchor =
             scene.original.as_ref().and_then(|original| Anchor::new(original, label, finest));
@@ -216,7 +216,7 @@ impl Solver<'_> {
             band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
             self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
             let samples = self.samples_in(number, &band);
-            let is_soft = is_first && self.anchor.is_none();
+            let is_soft = (is_first || !is_last) && self.anchor.is_none();
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
             let pulls = self.pulls(number, &samples, targets.as_deref());
             self.solve(number, band.clone(), &pulls, limits)?;
@@ -311,7 +311,7 @@ impl Solver<'_> {
 
     /// To the nearest contour, in voxels.
     fn distance(&self, lattice: &Lattice, point: DVec3, hint: &mut Hint) -> f32 {
-        let distance = self.outline.tree.distance(point, hint);
+        let distance = self.outline.distance(point, hint);
         (distance.min(self.scene.space.bounds.diagonal()) / lattice.voxel) as f32
     }
 
@@ -358,9 +358,7 @@ impl Solver<'_> {
     ) -> Vec<Pull> {
         let level = &self.levels[number];
         let Lattice { origin, voxel, .. } = level.lattice;
-        let share = if number < self.scene.space.whole { 1.0 } else { SHARE_IN_BAND };
-        let weight = share * self.scene.weights.soft_weight(voxel, self.scene.unit);
-        let soft = SAMPLES_PER_EVEN * weight;
+        let soft = SAMPLES_PER_EVEN * self.scene.weights.soft_weight(voxel, self.scene.unit);
         let contours = self.contour_places(level);
         let mut pulls: Vec<Pull> =
             contours.into_iter().map(|at| Pull { at, weight: FIRM, target: 0.0 }).collect();
@@ -373,7 +371,7 @@ impl Solver<'_> {
                 Some(target) => target.abs().min(MARGIN as f32),
                 None if side * value >= MARGIN as f32 => 0.0,
                 None => {
-                    let near = self.outline.tree.distance_below(MARGIN * voxel, sample.at);
+                    let near = self.outline.distance_below(MARGIN * voxel, sample.at);
                     near.map_or(MARGIN, |distance| distance / voxel) as f32
                 }
             };
@@ -403,7 +401,7 @@ impl Solver<'_> {
         leaves.retain(|&leaf| (0..LEAF_NODES).any(|node| is_free(node_of(leaf, node))));
         leaves.par_sort_by_cached_key(|&leaf| along_curve(leaf));
         let domain = self.scene.is_open.then_some(level.domain);
-        let mut system = System::new(leaves, is_free, domain, pulls);
+        let mut system = System::new(leaves, is_free, domain, pulls, &self.scene.directions);
         if let Some(anchor) = &self.anchor {
             let (distances, is_open) = (&self.anchored[number], self.scene.is_open);
             system.anchors = Some(anchor.anchors(level, distances, &system.leaves, is_open));

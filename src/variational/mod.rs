@@ -15,9 +15,11 @@
 //!   Which these are is found by solving several times (an *active set*);
 //! - the soft values s are wanted at one sample in four, which counts for all: they are
 //!   smooth, and to look for the distances takes longer than to solve;
-//! - w is small: it gives shape to what no contour is near to. It is the same
-//!   physical weight on the levels that are solved on the whole box, a quarter of it on
-//!   the next, and 0 on the others, whose band lies near the surface;
+//! - w is small: it gives shape to what no contour is near to, and keeps what is thin. It
+//!   is the same physical weight on all levels but the finest, which does without: its
+//!   distances are many and change nothing that is left for it to do;
+//! - second derivatives and distances are those of a space that is squeezed across stacks
+//!   of sections (`metric`);
 //! - beyond a closed box f is −d (for *outside* d), and that box is wider than the one
 //!   that is filled; at an open one the boundary is natural: the sum over the Hessian
 //!   ends there.
@@ -34,7 +36,7 @@
 //! The same energy smooths a surface that another method made ([`smoothing`]).
 //!
 //! ```text
-//! outline, plane_samples ─► label_field: level ─► system ─► backend ─► level … ─► assembly ─► Samples
+//! metric ─► outline, plane_samples ─► label_field: level ─► system ─► backend ─► level … ─► assembly ─► Samples
 //! ```
 
 mod anchor;
@@ -44,6 +46,7 @@ mod cpu;
 mod gpu;
 mod label_field;
 mod level;
+mod metric;
 mod outline;
 mod plane_samples;
 mod segments;
@@ -75,6 +78,7 @@ use backend::Backend;
 use cpu::Cpu;
 use gpu::Gpu;
 use label_field::{LabelField, Scene};
+use metric::Metric;
 use plane_samples::{Region, plane_samples};
 use specks::remove_specks;
 
@@ -114,7 +118,7 @@ pub struct Weights {
 
 impl Default for Weights {
     fn default() -> Self {
-        Self { soft: 0.03 }
+        Self { soft: 0.04 }
     }
 }
 
@@ -221,12 +225,15 @@ fn scene<'a>(
     let &Space { bounds, wide, ref lattices, whole, .. } = space;
     let everywhere =
         |lattice: &Lattice| plane_samples(sections, wide, lattice.voxel, Region::Everywhere);
+    let metric = Metric::new(sections);
     Scene {
         sections,
         space,
+        metric,
+        directions: metric.directions(),
         is_open: method.border == Label::UNKNOWN,
         samples: lattices[..whole].iter().map(everywhere).collect(),
-        unit: bounds.size().max_element() / UNIT_VOXELS,
+        unit: metric.length() * bounds.size().max_element() / UNIT_VOXELS,
         weights: &method.weights,
         original: None,
         backend,

@@ -5,7 +5,8 @@ use glam::DVec3;
 use crate::label::Label;
 use crate::section::Section;
 
-use super::segments::SegmentTree;
+use super::metric::Metric;
+use super::segments::{Hint, SegmentTree};
 
 /// A label's contours on all sections: the edges between it and another known
 /// label.
@@ -13,13 +14,14 @@ use super::segments::SegmentTree;
 pub struct Outline {
     /// In world units, in the order of the sections' edges.
     segments: Vec<[DVec3; 2]>,
-    /// The same, to be searched.
-    pub tree: SegmentTree,
+    metric: Metric,
+    /// The same in the squeezed space, to be searched.
+    tree: SegmentTree,
 }
 
 impl Outline {
     /// Of a label.
-    pub fn new(sections: &[Section], label: Label) -> Self {
+    pub fn new(sections: &[Section], label: Label, metric: Metric) -> Self {
         let mut segments = Vec::new();
         for section in sections {
             for edge in section.edges() {
@@ -30,7 +32,19 @@ impl Outline {
                 }
             }
         }
-        Self { tree: SegmentTree::new(segments.clone()), segments }
+        let squeezed = |segment: &[DVec3; 2]| segment.map(|end| metric.squeezed(end));
+        let tree = SegmentTree::new(segments.iter().map(squeezed).collect());
+        Self { segments, metric, tree }
+    }
+
+    /// The distance from a point to the nearest contour, squeezed; infinite without any.
+    pub fn distance(&self, point: DVec3, hint: &mut Hint) -> f64 {
+        self.tree.distance(self.metric.squeezed(point), hint)
+    }
+
+    /// The same where it is below a limit.
+    pub fn distance_below(&self, limit: f64, point: DVec3) -> Option<f64> {
+        self.tree.distance_below(limit, self.metric.squeezed(point))
     }
 
     /// Points along the contours, one for each `spacing` of their length: shorter
@@ -64,17 +78,23 @@ mod tests {
         let plane = Plane { normal: DVec3::new(0.0, 1.0, 1.0), offset: 0.2 };
         // 5,000 edges of 1/800 each: a point for every 50 of them.
         let sections = [disc(plane, 1.0, 5000, Label(2))];
+        let metric = Metric::new(&sections);
         for label in [Label(2), Label::OUTSIDE] {
-            let points = Outline::new(&sections, label).points(TAU / 100.0);
+            let points = Outline::new(&sections, label, metric).points(TAU / 100.0);
             assert!((99..=101).contains(&points.len()), "{}", points.len());
         }
-        let outline = Outline::new(&sections, Label(2));
+        let outline = Outline::new(&sections, Label(2), metric);
         // And many for one edge: the diagonal of a square.
         let square = [disc(plane, 1.0, 4, Label(2))];
-        let long = Outline::new(&square, Label(2)).points(0.01);
+        let long = Outline::new(&square, Label(2), metric).points(0.01);
         assert!((long.len() as f64 - 4.0 * 2f64.sqrt() / 0.01).abs() < 2.0);
-        assert!(Outline::new(&sections, Label(1)).points(0.1).is_empty());
+        assert!(Outline::new(&sections, Label(1), metric).points(0.1).is_empty());
         let mut hint = Default::default();
-        assert!(outline.tree.distance(plane.unit_normal() * 0.2 / 2f64.sqrt(), &mut hint) > 0.99);
+        assert!(outline.distance(plane.unit_normal() * 0.2 / 2f64.sqrt(), &mut hint) > 0.99);
+        // Across it half counts as less.
+        let beside = outline.segments[0][0] + 0.5 * plane.unit_normal();
+        let squeezed = outline.distance(beside, &mut hint);
+        assert!((metric.squeezed(0.5 * plane.unit_normal()).length() - squeezed).abs() < 1e-9);
+        assert!(squeezed < 0.4 && outline.distance_below(0.4, beside) == Some(squeezed));
     }
 }

@@ -4,6 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::metric::Direction;
 use super::system::{Domain, Pull};
 
 /// A node of the lattice.
@@ -20,12 +21,17 @@ pub struct Reference {
 
 impl Reference {
     /// For the free nodes.
-    pub fn new(free: &BTreeSet<Node>, domain: Option<Domain>, pulls: &[Pull]) -> Self {
+    pub fn new(
+        free: &BTreeSet<Node>,
+        domain: Option<Domain>,
+        pulls: &[Pull],
+        directions: &[Direction],
+    ) -> Self {
         let rows = free.iter().map(|&node| (node, Vector::new())).collect();
         let mut reference = Self { rows, right: Vector::new() };
-        let near: BTreeSet<Node> = free.iter().flat_map(|&node| cube(node, -1, 3)).collect();
+        let near: BTreeSet<Node> = free.iter().flat_map(|&node| cube(node, -2, 5)).collect();
         for node in near {
-            reference.add_bending(node, domain);
+            reference.add_bending(node, domain, directions);
         }
         for pull in pulls {
             let target = f64::from(pull.target);
@@ -34,21 +40,21 @@ impl Reference {
         reference
     }
 
-    /// The second differences around a node and those at the squares that begin there,
-    /// where all their nodes exist.
-    fn add_bending(&mut self, node: Node, domain: Option<Domain>) {
-        let step = |by: [i32; 3]| std::array::from_fn(|axis| node[axis] + by[axis]);
-        let unit = |axis: usize| std::array::from_fn(|at| i32::from(at == axis));
-        let plus = |a: [i32; 3], b: [i32; 3]| std::array::from_fn(|axis| a[axis] + b[axis]);
+    /// The second differences around a node and those at the parallelograms that begin
+    /// there, where all their nodes exist.
+    fn add_bending(&mut self, node: Node, domain: Option<Domain>, directions: &[Direction]) {
+        let plus = |a: Node, b: Node| -> Node { std::array::from_fn(|axis| a[axis] + b[axis]) };
         let mut terms = Vec::new();
-        for a in 0..3 {
-            let forward: [i32; 3] = unit(a);
-            let back = forward.map(|along| -along);
-            terms.push((1.0, vec![(step(back), 1.0), (node, -2.0), (step(forward), 1.0)]));
-            for b in a + 1..3 {
-                let (one, other) = (step(forward), step(unit(b)));
-                let far = step(plus(forward, unit(b)));
-                terms.push((2.0, vec![(node, 1.0), (one, -1.0), (other, -1.0), (far, 1.0)]));
+        for (number, one) in directions.iter().enumerate() {
+            let (forward, weight) = (plus(node, one.step), f64::from(one.weight));
+            let back = plus(node, one.step.map(|along| -along));
+            terms.push((weight * weight, vec![(back, 1.0), (node, -2.0), (forward, 1.0)]));
+            for other in &directions[number + 1..] {
+                let beside = plus(node, other.step);
+                let far = plus(forward, other.step);
+                let weight = 2.0 * weight * f64::from(other.weight);
+                terms
+                    .push((weight, vec![(node, 1.0), (forward, -1.0), (beside, -1.0), (far, 1.0)]));
             }
         }
         for (weight, term) in terms {

@@ -1,30 +1,30 @@
 //! The linear system of one label on one level: the unknown nodes, the energy's
 //! stencil and the samples that bear on them, as flat arrays for any backend.
 //!
-//! With voxels of length 1, Σ‖Hess f‖² is
+//! With voxels of length 1, and directions d of weights w_d (`metric`), Σ‖Hess f‖² is
 //!
 //! ```text
-//! Σ (δxx f)² + (δyy f)² + (δzz f)² + 2 (δx δy f)² + 2 (δx δz f)² + 2 (δy δz f)²
+//! Σ_d w_d² Σ (δdd f)²  +  2 Σ_{d < e} w_d w_e Σ (δd δe f)²
 //! ```
 //!
-//! with δxx f = f(x − 1) − 2 f(x) + f(x + 1) at nodes and δx δy f at the squares
-//! between four nodes. Half its gradient is the stencil 42, −12 (6 neighbours),
-//! +2 (12 across an edge), +1 (6 at distance two). At a natural boundary only
-//! differences between nodes that exist are summed up: along an axis the
-//! coefficients of δxxᵀ δxx ([`Second`]) and of δxᵀ δx ([`First`]) then depend on
-//! the place, and the stencil is made of their products.
+//! with δdd f = f(x − d) − 2 f(x) + f(x + d) at nodes and δd δe f at the
+//! parallelograms between the nodes x, x + d, x + e and x + d + e. Half its gradient is
+//! what L = Σ_d w_d δdd makes of L f; with the three axes for directions, all of them
+//! with a weight of 1, it is the stencil 42, −12 (6 neighbours), +2 (12 across an edge),
+//! +1 (6 at distance two). At a natural boundary only differences between nodes that
+//! exist are summed up.
 //!
 //! A sample is a point with a weight w and a target t, and adds w (f − t)² with f
 //! interpolated trilinearly from the eight nodes around it. [`Anchors`] do the same
 //! at nodes.
-
-use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
 use crate::grid::leaf_grid::{LeafGrid, NO_SLOT, around, leaf_of, node_below};
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE};
+
+use super::metric::Direction;
 
 /// [`LEAF_SIDE`] for node indices.
 pub const SIDE: i32 = LEAF_SIDE as i32;
@@ -115,6 +115,8 @@ pub struct System {
     pub free: Vec<[u64; 8]>,
     /// Where the boundary is natural.
     pub domain: Option<Domain>,
+    /// Those of second differences.
+    pub directions: Vec<Direction>,
     /// The samples, leaf by leaf; one at a leaf's border is with several.
     pub samples: Vec<Sample>,
     /// For each leaf where its samples begin, and the end.
@@ -131,6 +133,7 @@ impl System {
         is_free: impl Fn([i32; 3]) -> bool + Sync,
         domain: Option<Domain>,
         pulls: &[Pull],
+        directions: &[Direction],
     ) -> Self {
         let index = Index::new(&leaves);
         let neighbours = leaves
@@ -143,7 +146,8 @@ impl System {
             .collect();
         let free = leaves.par_iter().map(|&leaf| free_nodes(leaf, &is_free)).collect();
         let (samples, starts) = sorted_samples(leaves.len(), &index, pulls);
-        Self { leaves, neighbours, free, domain, samples, starts, anchors: None }
+        let directions = directions.to_vec();
+        Self { leaves, neighbours, free, domain, directions, samples, starts, anchors: None }
     }
 
     /// How many unknowns there are.
@@ -259,73 +263,16 @@ impl Sample {
     }
 }
 
-/// The coefficients of δxxᵀ δxx along an axis, for a leaf's nodes, from two before
-/// to two after.
-pub type Second = [[f32; 5]; LEAF_SIDE];
-/// The coefficients of δxᵀ δx, from one before to one after.
-pub type First = [[f32; 3]; LEAF_SIDE];
-
-/// The coefficients for the nodes from `start` on, where those in `exists` exist.
-pub fn coefficients(start: i32, exists: Range<i32>) -> (Second, First) {
-    let (mut second, mut first) = ([[0.0; 5]; LEAF_SIDE], [[0.0; 3]; LEAF_SIDE]);
-    for node in 0..LEAF_SIDE {
-        let at = start + node as i32;
-        if !exists.contains(&at) {
-            continue;
-        }
-        for middle in at - 1..=at + 1 {
-            if exists.contains(&(middle - 1)) && exists.contains(&(middle + 1)) {
-                let own = if middle == at { -2.0 } else { 1.0 };
-                for (step, factor) in [(-1, 1.0), (0, -2.0), (1, 1.0)] {
-                    second[node][(middle + step - at + 2) as usize] += own * factor;
-                }
-            }
-        }
-        for step in [-1, 1] {
-            if exists.contains(&(at + step)) {
-                first[node][1] += 1.0;
-                first[node][(1 + step) as usize] -= 1.0;
-            }
-        }
-    }
-    (second, first)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn inside_the_coefficients_are_those_of_the_stencil() {
-        let (second, first) = coefficients(0, -10..20);
-        assert_eq!(second, [[1.0, -4.0, 6.0, -4.0, 1.0]; 8]);
-        assert_eq!(first, [[-1.0, 2.0, -1.0]; 8]);
-        // 3 · 6 + 2 · 3 · 2 · 2 = 42, and −4 + 2 · 2 · (−1 · 2) = −12.
-        assert_eq!(3.0 * second[0][2] + 6.0 * first[0][1] * first[0][1], 42.0);
-        assert_eq!(second[0][1] + 4.0 * first[0][0] * first[0][1], -12.0);
-    }
-
-    #[test]
-    fn at_a_natural_end_linear_functions_cost_nothing() {
-        let (second, first) = coefficients(0, 1..6);
-        assert_eq!(second[0], [0.0; 5]);
-        assert_eq!(second[1], [0.0, 0.0, 1.0, -2.0, 1.0]);
-        assert_eq!(second[2], [0.0, -2.0, 5.0, -4.0, 1.0]);
-        assert_eq!(first[1], [0.0, 1.0, -1.0]);
-        for (node, row) in second.iter().enumerate() {
-            let value = |step: usize| (node + step) as f32 - 2.0;
-            let sum: f32 = row.iter().enumerate().map(|(step, by)| by * value(step)).sum();
-            assert_eq!(sum, 0.0, "node {node}");
-        }
-        assert!(first.iter().all(|row| row.iter().sum::<f32>() == 0.0));
-    }
 
     #[test]
     fn a_sample_at_a_border_bears_on_all_leaves_around() {
         let leaves = vec![[0, 0, 0], [0, 0, 1], [1, 0, 0]];
         let pull = |at| Pull { at, weight: 2.0, target: 1.0 };
         let pulls = [pull([3.25, 4.5, 7.5]), pull([1.0, 1.0, 1.0]), pull([7.5, 0.0, 7.0])];
-        let system = System::new(leaves, |_| true, None, &pulls);
+        let system = System::new(leaves, |_| true, None, &pulls, &[]);
         // The second one's cell is within the first leaf; the third one's reaches all.
         assert_eq!(system.starts, [0, 3, 5, 6]);
         let [first, ..] = system.samples_of(1) else { panic!() };

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::grid::samples::LEAF_NODES;
 use crate::variational::backend::Limits;
+use crate::variational::metric::{DIRECTIONS, Direction};
 use crate::variational::system::{Domain, SIDE, Sample, System};
 
 /// Numbers of the shader's bindings.
@@ -48,6 +49,15 @@ pub struct State {
     size: f32,
     goal: f32,
     factor: f32,
+    count: u32,
+    directions: [DeviceDirection; DIRECTIONS],
+}
+
+#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct DeviceDirection {
+    step: [i32; 3],
+    weight: f32,
 }
 
 /// The leaves, and their samples sorted by the cell they lie in.
@@ -88,6 +98,10 @@ impl State {
         const FAR: i32 = 1 << 29;
         let endless = Domain { low: [-FAR; 3], high: [FAR; 3] };
         let domain = system.domain.unwrap_or(endless);
+        let mut directions = [DeviceDirection::default(); DIRECTIONS];
+        for (to, &Direction { step, weight }) in directions.iter_mut().zip(&system.directions) {
+            *to = DeviceDirection { step, weight };
+        }
         Self {
             leaves: system.leaves.len() as u32,
             low: domain.low,
@@ -99,6 +113,8 @@ impl State {
             size: 0.0,
             goal: -1.0,
             factor: 0.0,
+            count: system.directions.len() as u32,
+            directions,
         }
     }
 }

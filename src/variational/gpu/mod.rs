@@ -188,8 +188,10 @@ impl Gpu {
         if outcome.state.is_done == 0 || outcome.values.iter().any(|value| !value.is_finite()) {
             return Err(self.connection.garbage("an unfinished result"));
         }
-        // The stencil's coefficients add up to 144 in absolute value.
-        let allowed = TOLERANCE * (largest(residual) + 144.0 * largest(&outcome.values));
+        // The absolute values of what L has add up to this, and those of the stencil to its
+        // square: 144 with three directions.
+        let sum: f32 = system.directions.iter().map(|direction| 4.0 * direction.weight).sum();
+        let allowed = TOLERANCE * (largest(residual) + sum * sum * largest(&outcome.values));
         for (&leaf, left) in probes.iter().zip(outcome.left.as_chunks::<LEAF_NODES>().0) {
             let mut product = [0.0; LEAF_NODES];
             self.cpu.apply_in(system, leaf, &outcome.values, &mut product);
