@@ -166,6 +166,21 @@ fn rounded_caps_are_no_plane() {
     }
 }
 
+/// The corners of a box around a stack that leans are far beyond its last section.
+#[test]
+fn rounded_caps_are_the_same_however_a_stack_lies() {
+    let ends = |normal: DVec3| {
+        let [variational, _] = methods(Caps::Rounded, Mesher::Dual);
+        extremes(mesh(&model(discs(normal), variational, 64)), normal)
+    };
+    let upright = ends(DVec3::Z);
+    for normal in [OBLIQUE, DVec3::ONE] {
+        let leaning = ends(normal);
+        let off = [0, 1].map(|end| (leaning[end] - upright[end]).abs());
+        assert!(off.iter().all(|&off| off < SPACING / 20.0), "{upright:?} {leaning:?}");
+    }
+}
+
 #[test]
 fn delaunay_refinement_makes_flat_caps_too() {
     let mesher = Mesher::Delaunay(delaunay::Options::default());

@@ -49,7 +49,7 @@ pub fn reaches(sections: &[Section]) -> Vec<f64> {
 }
 
 /// The same with another margin, relative to the diagonal.
-fn reaches_with(sections: &[Section], margin: f64) -> Vec<f64> {
+pub fn reaches_with(sections: &[Section], margin: f64) -> Vec<f64> {
     let Some(all) = bounds(sections) else { return Vec::new() };
     let diagonal = all.diagonal();
     let middle = (all.min + all.max) / 2.0;

@@ -147,11 +147,11 @@ pub fn cases() -> Vec<Case> {
     let leaning = along(&[DVec3::new(1.0, -2.0, 0.7)]);
     assert_eq!(leaning.len(), DIRECTIONS);
     let all = [along(&[]), along(&[DVec3::Y]), leaning];
-    all.iter().flat_map(cases_along).collect()
+    all.iter().flat_map(|directions| cases_along(directions)).collect()
 }
 
-fn cases_along(directions: &Vec<Direction>) -> Vec<Case> {
-    let directions = || directions.clone();
+fn cases_along(directions: &[Direction]) -> Vec<Case> {
+    let directions = || directions.to_vec();
     let mut random = Random::new(1);
     let within = |leaves: &[Node], wanted: &dyn Fn(Node) -> bool| {
         leaves.iter().flat_map(|&leaf| nodes(leaf)).filter(|&node| wanted(node)).collect()

@@ -298,7 +298,8 @@ impl Solver<'_> {
         for (node, value) in values.iter_mut().enumerate() {
             let offset = node_offset(node);
             let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
-            let is_fixed = !is_open && !lattice.is_inner(at);
+            let is_free = lattice.is_inner(at) && !space.is_beyond(lattice, at);
+            let is_fixed = !is_open && !is_free;
             if is_first || (is_fixed && is_wide) {
                 if domain.has(at) {
                     *value = sign * self.distance(lattice, lattice.position(at), &mut hint);
@@ -393,10 +394,10 @@ impl Solver<'_> {
         pulls: &[Pull],
         limits: Limits,
     ) -> Result<f64> {
-        let level = &self.levels[number];
+        let (level, space) = (&self.levels[number], self.scene.space);
         let is_free = |node: [i32; 3]| match self.scene.is_open {
             true => level.domain.has(node),
-            false => level.lattice.is_inner(node),
+            false => level.lattice.is_inner(node) && !space.is_beyond(&level.lattice, node),
         };
         leaves.retain(|&leaf| (0..LEAF_NODES).any(|node| is_free(node_of(leaf, node))));
         leaves.par_sort_by_cached_key(|&leaf| along_curve(leaf));

@@ -69,10 +69,11 @@ use crate::grid::lattice::Resolution;
 use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
 use crate::method::Variational;
-use crate::plane::Bounds;
+use crate::plane::{Bounds, Plane};
 use crate::progress::Progress;
 use crate::section::Section;
-use crate::section::reach::space;
+use crate::section::ends::{End, ends};
+use crate::section::reach::{reaches_with, space};
 
 use backend::Backend;
 use cpu::Cpu;
@@ -108,6 +109,9 @@ const NARROW_VOXELS: f64 = 64.0;
 /// The next finer level has voxels smaller by this factor at least, but for the given
 /// lattice.
 const STEP: f64 = 1.3;
+
+/// By how much of a voxel a node may be beyond an end, for rounding.
+const ROUNDING: f64 = 1e-6;
 
 /// What counts how much.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -170,8 +174,7 @@ pub fn variational(
     progress: &dyn Progress,
 ) -> Result<Solved> {
     let backend = backend(method.device)?;
-    let wide = wide_box(sections, bounds, method.border);
-    let space = Space::new(bounds, wide, lattice)?;
+    let space = Space::around(sections, bounds, method.border, lattice)?;
     let scene = scene(sections, &space, method, backend.as_ref());
     let (samples, effort, specks) = solve(&scene, "field", progress)?;
     Ok(Solved { samples, effort, specks, device: backend.name() })
@@ -253,12 +256,6 @@ fn labels(sections: &[Section]) -> Vec<Label> {
     labels
 }
 
-/// The box of the coarse lattices.
-fn wide_box(sections: &[Section], bounds: Bounds, border: Label) -> Bounds {
-    let wide = space(sections, WIDE, BEYOND).filter(|_| border != Label::UNKNOWN);
-    wide.map_or(bounds, |wide| bounds.union(wide))
-}
-
 /// Where is solved.
 struct Space {
     /// The box that the result fills.
@@ -269,9 +266,31 @@ struct Space {
     lattices: Vec<Lattice>,
     /// So many of them are solved on the whole box, at least two.
     whole: usize,
+    /// Beyond them is nothing, as beyond the wide box: a stack that leans has its box's
+    /// corners there.
+    wide_ends: Vec<Plane>,
+    /// The same for the given box.
+    ends: Vec<Plane>,
 }
 
 impl Space {
+    /// Around sections, with a wide box unless the given one is open.
+    fn around(
+        sections: &[Section],
+        bounds: Bounds,
+        border: Label,
+        finest: &Lattice,
+    ) -> Result<Self> {
+        let wide = space(sections, WIDE, BEYOND).filter(|_| border != Label::UNKNOWN);
+        let Some(wide) = wide else { return Self::new(bounds, bounds, finest) };
+        let reaches = reaches_with(sections, WIDE);
+        let all = ends(sections);
+        let wide_end = |end: &End| end.beyond(BEYOND * reaches[end.section]);
+        let wide_ends = all.iter().map(wide_end).collect();
+        let ends = all.iter().map(|end| end.beyond(end.reach)).collect();
+        Ok(Self { wide_ends, ends, ..Self::new(bounds, bounds.union(wide), finest)? })
+    }
+
     /// The given lattice is itself solved on all of its box when it is as coarse as what
     /// would be.
     fn new(bounds: Bounds, wide: Bounds, finest: &Lattice) -> Result<Self> {
@@ -292,7 +311,14 @@ impl Space {
         if !is_coarse {
             lattices.push(*finest);
         }
-        Ok(Self { bounds, wide, lattices, whole: 2 })
+        Ok(Self { bounds, wide, lattices, whole: 2, wide_ends: Vec::new(), ends: Vec::new() })
+    }
+
+    /// Whether a node of a lattice is beyond an end.
+    fn is_beyond(&self, lattice: &Lattice, node: [i32; 3]) -> bool {
+        let ends = if self.is_wide(lattice) { &self.wide_ends } else { &self.ends };
+        let point = lattice.position(node);
+        ends.iter().any(|end| end.distance(point) > ROUNDING * lattice.voxel)
     }
 
     /// Whether a lattice is one over the wide box.

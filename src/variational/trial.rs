@@ -7,7 +7,7 @@ use super::backend::{Backend, Correction, Limits};
 use super::cpu::Cpu;
 use super::label_field::LabelField;
 use super::system::System;
-use super::{Space, backend, labels, scene, wide_box};
+use super::{Space, backend, labels, scene};
 use crate::error::{Error, Result};
 use crate::field::Device;
 use crate::grid::samples::Lattice;
@@ -51,8 +51,7 @@ impl Trial {
     ) -> Result<Self> {
         let nothing = || Error::Option("there is nothing to solve for".to_owned());
         let recorder = Recorder { cpu: Cpu::new(), last: Mutex::new(None) };
-        let wide = wide_box(sections, bounds, method.border);
-        let space = Space::new(bounds, wide, lattice)?;
+        let space = Space::around(sections, bounds, method.border, lattice)?;
         let scene = scene(sections, &space, method, &recorder);
         let label = labels(sections).first().copied().ok_or_else(nothing)?;
         LabelField::new(&scene, label)?;
