@@ -292,13 +292,13 @@ impl Solver<'_> {
     ) {
         let Scene { space, is_open, .. } = self.scene;
         let is_first = lattice.voxel == space.lattices[0].voxel;
-        let is_wide = space.is_wide(lattice);
+        let (is_wide, is_beyond) = (space.is_wide(lattice), space.beyond(lattice));
         let sign = if self.label == Label::OUTSIDE { 1.0 } else { -1.0 };
         let mut hint = Hint::default();
         for (node, value) in values.iter_mut().enumerate() {
             let offset = node_offset(node);
             let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
-            let is_free = lattice.is_inner(at) && !space.is_beyond(lattice, at);
+            let is_free = lattice.is_inner(at) && !is_beyond(at);
             let is_fixed = !is_open && !is_free;
             if is_first || (is_fixed && is_wide) {
                 if domain.has(at) {
@@ -394,10 +394,11 @@ impl Solver<'_> {
         pulls: &[Pull],
         limits: Limits,
     ) -> Result<f64> {
-        let (level, space) = (&self.levels[number], self.scene.space);
+        let level = &self.levels[number];
+        let is_beyond = self.scene.space.beyond(&level.lattice);
         let is_free = |node: [i32; 3]| match self.scene.is_open {
             true => level.domain.has(node),
-            false => level.lattice.is_inner(node) && !space.is_beyond(&level.lattice, node),
+            false => level.lattice.is_inner(node) && !is_beyond(node),
         };
         leaves.retain(|&leaf| (0..LEAF_NODES).any(|node| is_free(node_of(leaf, node))));
         leaves.par_sort_by_cached_key(|&leaf| along_curve(leaf));

@@ -20,8 +20,8 @@
 //!   distances are many and change nothing that is left for it to do;
 //! - second derivatives and distances are those of a space that is squeezed across stacks
 //!   of sections (`metric`);
-//! - beyond a closed box f is −d (for *outside* d), and that box is wider than the one
-//!   that is filled; at an open one the boundary is natural: the sum over the Hessian
+//! - beyond a closed box, and as far beyond the ends of a stack that leans in it, f is −d
+//!   (for *outside* d), and that box is wider than the one that is filled; at an open one the boundary is natural: the sum over the Hessian
 //!   ends there.
 //!
 //! The mean-value indicator meets every section at a right angle, and so makes beads
@@ -61,6 +61,7 @@ mod contract;
 #[cfg(test)]
 mod reference;
 
+use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -314,11 +315,19 @@ impl Space {
         Ok(Self { bounds, wide, lattices, whole: 2, wide_ends: Vec::new(), ends: Vec::new() })
     }
 
-    /// Whether a node of a lattice is beyond an end.
-    fn is_beyond(&self, lattice: &Lattice, node: [i32; 3]) -> bool {
+    /// Whether nodes of a lattice are beyond an end. So many are asked for that it is a
+    /// matter of a product.
+    fn beyond(&self, lattice: &Lattice) -> impl Fn([i32; 3]) -> bool + use<> {
         let ends = if self.is_wide(lattice) { &self.wide_ends } else { &self.ends };
-        let point = lattice.position(node);
-        ends.iter().any(|end| end.distance(point) > ROUNDING * lattice.voxel)
+        let in_nodes = |end: &Plane| {
+            let height = -end.distance(lattice.origin) / lattice.voxel;
+            (end.unit_normal(), height + ROUNDING)
+        };
+        let ends: Vec<(DVec3, f64)> = ends.iter().map(in_nodes).collect();
+        move |node| {
+            let node = IVec3::from_array(node).as_dvec3();
+            ends.iter().any(|&(normal, height)| normal.dot(node) > height)
+        }
     }
 
     /// Whether a lattice is one over the wide box.
@@ -330,8 +339,6 @@ impl Space {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
 
     #[test]
