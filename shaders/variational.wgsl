@@ -62,6 +62,7 @@ struct State {
     goal: f32,
     // What the next stage multiplies by.
     factor: f32,
+    // So many of these there are.
     count: u32,
     directions: array<Direction, 6>,
 }
@@ -119,8 +120,13 @@ fn patch_index_of(at: vec3<u32>) -> u32 {
     return (at.x * PATCH + at.y) * PATCH + at.z;
 }
 
+// A leaf's node along the three axes.
+fn place(node: u32) -> vec3<u32> {
+    return vec3<u32>(node / 64u, node / 8u % 8u, node % 8u);
+}
+
 fn patch_index(node: u32) -> u32 {
-    return patch_index_of(vec3<u32>(node / 64u, node / 8u % 8u, node % 8u) + 2u);
+    return patch_index_of(place(node) + 2u);
 }
 
 fn is_free(leaf: u32, node: u32) -> bool {
@@ -129,16 +135,20 @@ fn is_free(leaf: u32, node: u32) -> bool {
 
 const X: u32 = 144u;
 const Y: u32 = 12u;
-const Z: u32 = 1u;
 
 // From a node of a patch to the next in a direction; below 0 it wraps around.
 fn step_in_patch(way: vec3<i32>) -> u32 {
-    return u32((way.x * 12 + way.y) * 12 + way.z);
+    return u32((way.x * i32(PATCH) + way.y) * i32(PATCH) + way.z);
+}
+
+// The same among inner nodes.
+fn step_inside(way: vec3<i32>) -> u32 {
+    return u32((way.x * i32(INNER) + way.y) * i32(INNER) + way.z);
 }
 
 // L f = Σ weight (f before − 2 f + f after), at an inner node of a patch.
 fn bending(index: u32) -> f32 {
-    let at = patch_index_of(vec3<u32>(index / 100u, index / 10u % 10u, index % 10u) + 1u);
+    let at = patch_index_of(vec3<u32>(index / (INNER * INNER), index / INNER % INNER, index % INNER) + 1u);
     var sum = 0.0;
     for (var d = 0u; d < state.count; d++) {
         let step = step_in_patch(way(d));
@@ -150,12 +160,11 @@ fn bending(index: u32) -> f32 {
 
 // Half the gradient of Σ‖Hess f‖², inside: L of what L makes of f.
 fn stencil(node: u32) -> f32 {
-    let at = (vec3<u32>(node / 64u, node / 8u % 8u, node % 8u) + 1u);
+    let at = place(node) + 1u;
     let here = (at.x * INNER + at.y) * INNER + at.z;
     var sum = 0.0;
     for (var d = 0u; d < state.count; d++) {
-        let w = way(d);
-        let step = u32((w.x * 10 + w.y) * 10 + w.z);
+        let step = step_inside(way(d));
         let ends = bent[here - step] + bent[here + step];
         sum += state.directions[d].weight * (ends - 2.0 * bent[here]);
     }
@@ -206,7 +215,7 @@ fn mixed(at: u32, node: vec3<i32>, one: vec3<i32>, other: vec3<i32>) -> f32 {
 // The same near a natural boundary.
 fn stencil_at_boundary(leaf: u32, local: u32, at: u32) -> f32 {
     let first = vec3<i32>(leaves[leaf].x, leaves[leaf].y, leaves[leaf].z);
-    let node = first + vec3<i32>(vec3<u32>(local / 64u, local / 8u % 8u, local % 8u));
+    let node = first + vec3<i32>(place(local));
     var sum = 0.0;
     for (var d = 0u; d < state.count; d++) {
         let weight = state.directions[d].weight;

@@ -49,7 +49,7 @@ pub struct Scene<'a> {
     pub sections: &'a [Section],
     pub space: &'a Space,
     pub metric: Metric,
-    /// Those of second differences.
+    /// In which second differences are taken.
     pub directions: Vec<Direction>,
     pub is_open: bool,
     /// What the sections say on each of the lattices over the whole box.
@@ -281,8 +281,9 @@ impl Solver<'_> {
     }
 
     /// Without anything to be drawn to: on the coarsest level all nodes, and on those on
-    /// the wide box the ones beyond it, are as far outside as the nearest contour is
-    /// away. Beyond the given box nodes are outside as they are, at least by the margin.
+    /// the wide box the ones beyond it or an end, are as far outside as the nearest
+    /// contour is away. On the others nodes beyond an end are as they are, and those
+    /// beyond the given box outside, at least by the margin.
     fn settle_free(
         &self,
         lattice: &Lattice,
@@ -296,15 +297,13 @@ impl Solver<'_> {
         let sign = if self.label == Label::OUTSIDE { 1.0 } else { -1.0 };
         let mut hint = Hint::default();
         for (node, value) in values.iter_mut().enumerate() {
-            let offset = node_offset(node);
-            let at = std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32);
-            let is_free = lattice.is_inner(at) && !is_beyond(at);
-            let is_fixed = !is_open && !is_free;
-            if is_first || (is_fixed && is_wide) {
+            let at = node_of(leaf, node);
+            let is_outer = !is_open && !lattice.is_inner(at);
+            if is_first || is_wide && (is_outer || is_beyond(at)) {
                 if domain.has(at) {
                     *value = sign * self.distance(lattice, lattice.position(at), &mut hint);
                 }
-            } else if is_fixed {
+            } else if is_outer {
                 *value = sign * (sign * *value).max(MARGIN as f32);
             }
         }

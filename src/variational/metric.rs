@@ -22,8 +22,8 @@ use crate::section::Section;
 
 /// What is left of a length across a stack.
 const SQUEEZE: f64 = 0.7;
-/// With a smaller trace of N⁴ nothing is squeezed: 1 is a stack, ½ is one with a sixth as
-/// many sections across.
+/// With a smaller trace of N⁴ nothing is squeezed: a stack has 1, and ½ if a sixth of all
+/// sections lie across it.
 const LEAST: f64 = 0.5;
 /// What is lost in rounding, beside 1.
 const NOTHING: f64 = 1e-9;

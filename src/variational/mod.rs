@@ -51,6 +51,7 @@ mod outline;
 mod plane_samples;
 mod segments;
 pub mod smoothing;
+mod space;
 pub(crate) mod specks;
 mod stencil;
 mod system;
@@ -61,20 +62,16 @@ mod contract;
 #[cfg(test)]
 mod reference;
 
-use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::field::{Adapter, Device};
-use crate::grid::lattice::Resolution;
 use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
 use crate::method::Variational;
-use crate::plane::{Bounds, Plane};
+use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::Section;
-use crate::section::ends::{End, ends};
-use crate::section::reach::{reaches_with, space};
 
 use backend::Backend;
 use cpu::Cpu;
@@ -82,37 +79,17 @@ use gpu::Gpu;
 use label_field::{LabelField, Scene};
 use metric::Metric;
 use plane_samples::{Region, plane_samples};
+use space::Space;
 use specks::remove_specks;
 
 pub use trial::{Rate, Trial};
 
-/// Voxels on the longest side of the box on which all of it is solved for.
-const WHOLE_VOXELS: f64 = 48.0;
 /// The voxels on the longest side for which the soft values' weight is given.
 const UNIT_VOXELS: f64 = 96.0;
-/// How far that box reaches beyond contours within their planes, relative to the
-/// diagonal of them all. The given one is near to the surface; half way between two
-/// sections the −d on its faces, whose d is larger there, would draw a waist.
-const WIDE: f64 = 0.15;
-/// How far beyond the last sections of a stack, in spacings: what is −d there is 0
-/// a little less than half a spacing beyond.
-const BEYOND: f64 = 1.25;
-/// Nodes there are to be at least then, in a box that is long.
-const WHOLE_NODES: f64 = 45_000.0;
 /// Systems with fewer unknowns stay on the CPU when the device is chosen
 /// automatically: its threads are done with an iteration in about the time that a GPU
 /// takes to begin the five dispatches of one.
 const FEW_UNKNOWNS: u64 = 50_000;
-/// Levels between that one and the given lattice have so many voxels on the longest side
-/// of the box that is filled, or 2, 4, 8 … times as many: whatever is asked for, the
-/// shape comes from the same levels.
-const NARROW_VOXELS: f64 = 64.0;
-/// The next finer level has voxels smaller by this factor at least, but for the given
-/// lattice.
-const STEP: f64 = 1.3;
-
-/// By how much of a voxel a node may be beyond an end, for rounding.
-const ROUNDING: f64 = 1e-6;
 
 /// What counts how much.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -255,112 +232,4 @@ fn labels(sections: &[Section]) -> Vec<Label> {
         labels.insert(0, Label::OUTSIDE);
     }
     labels
-}
-
-/// Where is solved.
-struct Space {
-    /// The box that the result fills.
-    bounds: Bounds,
-    /// The box of the coarse lattices, around it.
-    wide: Bounds,
-    /// From the coarsest to the given one.
-    lattices: Vec<Lattice>,
-    /// So many of them are solved on the whole box, at least two.
-    whole: usize,
-    /// Beyond them is nothing, as beyond the wide box: a stack that leans has its box's
-    /// corners there.
-    wide_ends: Vec<Plane>,
-    /// The same for the given box.
-    ends: Vec<Plane>,
-}
-
-impl Space {
-    /// Around sections, with a wide box unless the given one is open.
-    fn around(
-        sections: &[Section],
-        bounds: Bounds,
-        border: Label,
-        finest: &Lattice,
-    ) -> Result<Self> {
-        let wide = space(sections, WIDE, BEYOND).filter(|_| border != Label::UNKNOWN);
-        let Some(wide) = wide else { return Self::new(bounds, bounds, finest) };
-        let reaches = reaches_with(sections, WIDE);
-        let all = ends(sections);
-        let wide_end = |end: &End| end.beyond(BEYOND * reaches[end.section]);
-        let wide_ends = all.iter().map(wide_end).collect();
-        let ends = all.iter().map(|end| end.beyond(end.reach)).collect();
-        Ok(Self { wide_ends, ends, ..Self::new(bounds, bounds.union(wide), finest)? })
-    }
-
-    /// The given lattice is itself solved on all of its box when it is as coarse as what
-    /// would be.
-    fn new(bounds: Bounds, wide: Bounds, finest: &Lattice) -> Result<Self> {
-        let longest = wide.size().max_element() / WHOLE_VOXELS;
-        let coarse = longest.min((wide.volume() / WHOLE_NODES).cbrt());
-        let is_coarse = finest.voxel >= coarse;
-        let whole = if is_coarse { finest.voxel } else { coarse };
-        let on = |bounds: Bounds, voxel: f64| Lattice::new(bounds, Resolution::VoxelSize(voxel));
-        let second = if is_coarse { *finest } else { on(wide, whole)? };
-        let mut lattices = vec![on(wide, 2.0 * whole)?, second];
-        let mut voxel = bounds.size().max_element() / NARROW_VOXELS;
-        while voxel >= finest.voxel * STEP {
-            if voxel * STEP < whole {
-                lattices.push(on(bounds, voxel)?);
-            }
-            voxel /= 2.0;
-        }
-        if !is_coarse {
-            lattices.push(*finest);
-        }
-        Ok(Self { bounds, wide, lattices, whole: 2, wide_ends: Vec::new(), ends: Vec::new() })
-    }
-
-    /// Whether nodes of a lattice are beyond an end. So many are asked for that it is a
-    /// matter of a product.
-    fn beyond(&self, lattice: &Lattice) -> impl Fn([i32; 3]) -> bool + use<> {
-        let ends = if self.is_wide(lattice) { &self.wide_ends } else { &self.ends };
-        let in_nodes = |end: &Plane| {
-            let height = -end.distance(lattice.origin) / lattice.voxel;
-            (end.unit_normal(), height + ROUNDING)
-        };
-        let ends: Vec<(DVec3, f64)> = ends.iter().map(in_nodes).collect();
-        move |node| {
-            let node = IVec3::from_array(node).as_dvec3();
-            ends.iter().any(|&(normal, height)| normal.dot(node) > height)
-        }
-    }
-
-    /// Whether a lattice is one over the wide box.
-    fn is_wide(&self, lattice: &Lattice) -> bool {
-        let finest = self.lattices.last().map_or(0.0, |finest| finest.voxel);
-        lattice.voxel >= self.lattices[self.whole - 1].voxel && lattice.voxel > finest
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_last_lattice_is_the_given_one_and_those_before_are_always_the_same() {
-        for size in [DVec3::ONE, DVec3::new(1.0, 0.3, 0.2), DVec3::new(0.6, 1.0, 1.0)] {
-            let bounds = Bounds { min: -size, max: size };
-            let wide = bounds.grown(0.3);
-            let spaces = (16..=300).map(|voxels| {
-                let finest = Lattice::new(bounds, Resolution::Voxels(voxels)).unwrap();
-                let space = Space::new(bounds, wide, &finest).unwrap();
-                assert_eq!(space.lattices.last(), Some(&finest), "{voxels}");
-                let [before @ .., _] = &space.lattices[..] else { panic!() };
-                assert!(before.is_sorted_by(|a, b| a.voxel >= b.voxel * STEP));
-                assert!(space.lattices.is_sorted_by(|a, b| a.voxel > b.voxel));
-                space
-            });
-            let spaces: Vec<Space> = spaces.collect();
-            let [.., largest] = &spaces[..] else { panic!() };
-            for space in spaces.iter().filter(|space| space.lattices.len() > 2) {
-                let given = space.lattices.len() - 1;
-                assert_eq!(space.lattices[..given], largest.lattices[..given]);
-            }
-        }
-    }
 }

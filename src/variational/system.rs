@@ -115,7 +115,7 @@ pub struct System {
     pub free: Vec<[u64; 8]>,
     /// Where the boundary is natural.
     pub domain: Option<Domain>,
-    /// Those of second differences.
+    /// In which second differences are taken.
     pub directions: Vec<Direction>,
     /// The samples, leaf by leaf; one at a leaf's border is with several.
     pub samples: Vec<Sample>,
