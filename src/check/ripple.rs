@@ -7,6 +7,8 @@
 //! leans at them as it leans elsewhere. A reconstruction that is made to pass
 //! every section at a right angle does not.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -24,6 +26,9 @@ const NARROW: f64 = 8.0;
 /// So much of the surface must be at sections, and so much away from them, for
 /// the figure to mean anything: as a share of the whole.
 const ENOUGH: f64 = 0.02;
+/// And it must be at so many sections: what two of them see does not repeat itself, and
+/// a blob that bulges away from both looks the same.
+const IN_STEP: usize = 3;
 
 /// How a label's surface leans, in degrees: the mean over its area.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -44,7 +49,7 @@ impl Ripple {
 }
 
 /// The ripple of each label's surface. None where too little of it lies in
-/// gaps that are wide enough. `voxel` in world units.
+/// gaps that are wide enough, or at too few sections. `voxel` in world units.
 pub fn ripples(
     mesh: &Mesh,
     sections: &[Section],
@@ -76,7 +81,8 @@ fn unit(plane: &Plane) -> Plane {
 #[derive(Debug, Clone, Copy)]
 struct Lean {
     degrees: f64,
-    at_section: bool,
+    /// The section that it is at.
+    at_section: Option<usize>,
 }
 
 /// A triangle's area, and how it leans where it is between two planes that are
@@ -88,7 +94,8 @@ fn lean([a, b, c]: [DVec3; 3], planes: &[Plane], narrow: f64) -> (f64, Option<Le
     if area == 0.0 {
         return none;
     }
-    let Some([nearest, second]) = nearest_two(center, planes) else { return none };
+    let Some(numbers) = nearest_two(center, planes) else { return none };
+    let [nearest, second] = numbers.map(|number| &planes[number]);
     let [near, far] = [nearest, second].map(|plane| plane.normal.dot(center) - plane.offset);
     // Beyond the last of parallel sections there is no gap: both are behind.
     let same_side = near * far * nearest.normal.dot(second.normal) > 0.0;
@@ -98,18 +105,18 @@ fn lean([a, b, c]: [DVec3; 3], planes: &[Plane], narrow: f64) -> (f64, Option<Le
     }
     let sine = nearest.normal.dot(doubled).abs() / (2.0 * area);
     let degrees = sine.min(1.0).asin().to_degrees();
-    (area, Some(Lean { degrees, at_section: near.abs() < NEAR * gap }))
+    (area, Some(Lean { degrees, at_section: (near.abs() < NEAR * gap).then_some(numbers[0]) }))
 }
 
-/// The two planes that are nearest to a point.
-fn nearest_two(point: DVec3, planes: &[Plane]) -> Option<[&Plane; 2]> {
+/// Which two planes are nearest to a point.
+fn nearest_two(point: DVec3, planes: &[Plane]) -> Option<[usize; 2]> {
     let mut best = [(f64::INFINITY, None), (f64::INFINITY, None)];
-    for plane in planes {
+    for (number, plane) in planes.iter().enumerate() {
         let distance = (plane.normal.dot(point) - plane.offset).abs();
         if distance < best[0].0 {
-            best = [(distance, Some(plane)), best[0]];
+            best = [(distance, Some(number)), best[0]];
         } else if distance < best[1].0 {
-            best[1] = (distance, Some(plane));
+            best[1] = (distance, Some(number));
         }
     }
     Some([best[0].1?, best[1].1?])
@@ -125,19 +132,27 @@ struct Leans {
     at_sections: Mean,
     between: Mean,
     whole: f64,
+    /// The sections that it is at.
+    sections: BTreeSet<usize>,
 }
 
 impl Leans {
     fn add(&mut self, area: f64, lean: Option<Lean>) {
         self.whole += area;
-        match lean {
-            Some(Lean { degrees, at_section: true }) => self.at_sections.add(degrees, area),
-            Some(Lean { degrees, at_section: false }) => self.between.add(degrees, area),
-            None => {}
+        let Some(Lean { degrees, at_section }) = lean else { return };
+        match at_section {
+            Some(section) => {
+                self.at_sections.add(degrees, area);
+                self.sections.insert(section);
+            }
+            None => self.between.add(degrees, area),
         }
     }
 
     fn ripple(&self) -> Option<Ripple> {
+        if self.sections.len() < IN_STEP {
+            return None;
+        }
         let least = ENOUGH * self.whole;
         let at_sections = self.at_sections.value(least)?;
         Some(Ripple { at_sections, between: self.between.value(least)? })
@@ -238,5 +253,9 @@ mod tests {
         // Only its upper end is beyond them.
         assert!(of(&planes(DVec3::Z, [0.9, 1.3].into_iter()), 0.01).is_none());
         assert!(of(&planes(DVec3::Z, [0.0].into_iter()), 0.01).is_none());
+        // Two sections see no step, three do.
+        let some = |offsets: &[f64]| of(&planes(DVec3::Z, offsets.iter().copied()), 0.01);
+        assert!(some(&[-0.3, 0.3]).is_none());
+        assert!(some(&[-0.3, 0.0, 0.3]).is_some());
     }
 }
