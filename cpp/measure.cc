@@ -17,6 +17,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -57,10 +58,14 @@ std::pair<Polyhedron, uint64_t> polyhedron(rust::Slice<const double> points,
   return {std::move(mesh), left_out};
 }
 
+double largest_of(const Kernel::Point_3& point) {
+  return std::max({std::abs(point.x()), std::abs(point.y()), std::abs(point.z())});
+}
+
 // V, E and F of each connected component add up to its Euler characteristic.
 std::vector<Component> components(const Polyhedron& mesh, const ComponentOf& component_of,
                                   size_t count) {
-  std::vector<Component> components(count, Component{0, 0, {0, 0, 0}, {0, 0, 0}});
+  std::vector<Component> components(count, Component{0, 0, 0, {0, 0, 0}, {0, 0, 0}});
   std::vector<CGAL::Bbox_3> boxes(count);
   // Relative to a vertex: far from the origin, digits would cancel.
   const Kernel::Point_3 base =
@@ -72,7 +77,12 @@ std::vector<Component> components(const Polyhedron& mesh, const ComponentOf& com
     const auto& a = mesh.point(mesh.target(h));
     const auto& b = mesh.point(mesh.target(mesh.next(h)));
     const auto& c = mesh.point(mesh.source(h));
-    components[id].volume += CGAL::to_double(CGAL::volume(base, a, b, c));
+    // By the triangle's own edges, whose product is as small as its area.
+    const auto doubled = CGAL::cross_product(b - a, c - a);
+    components[id].volume += (a - base) * doubled / 6;
+    const double largest = std::max({largest_of(a), largest_of(b), largest_of(c)});
+    components[id].rounding += std::numeric_limits<double>::epsilon() * largest *
+                               std::sqrt((b - a).squared_length() * (c - a).squared_length());
     boxes[id] += a.bbox() + b.bbox() + c.bbox();
   }
   for (const auto edge : mesh.edges()) {

@@ -2,10 +2,12 @@
 
 #include <CGAL/Fraction_traits.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
+#include "transect/cpp/skeleton/gauge.h"
 #include "transect/cpp/skeleton/heights.h"
 #include "transect/cpp/skeleton/surface.h"
 #include "transect/src/ffi/skeleton.rs.h"
@@ -116,6 +118,14 @@ struct Skeleton::Parts {
     line_points = std::make_unique<LinePoints>(scene);
     patches = std::make_unique<Patches>(scene, cells);
   }
+
+  bool scales_suffice() const {
+    const auto is_partial = [](const Section& section) { return section.partial; };
+    const auto& sections = scene.sections;
+    return skeleton::scales_suffice(scene, cells) &&
+           (std::none_of(sections.begin(), sections.end(), is_partial) ||
+            partial::Gauge::scales_suffice(scene.planes));
+  }
 };
 
 Skeleton::Skeleton(const Input& input) {
@@ -124,7 +134,7 @@ Skeleton::Skeleton(const Input& input) {
   require_finite(input.bounds);
   for (unsigned bits = input.bits; bits <= most_bits; bits *= 2) {
     parts_ = std::make_unique<Parts>(input, bits);
-    if (scales_suffice(parts_->scene, parts_->cells)) return;
+    if (parts_->scales_suffice()) return;
   }
   throw std::runtime_error("two planes are too nearly parallel");
 }

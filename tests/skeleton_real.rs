@@ -12,6 +12,11 @@ use transect::section::{Overlap, Rules, Section};
 use transect::skeleton::{Options, Skeleton, skeleton};
 
 mod common;
+#[path = "common/random.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
+mod random;
+
+use random::Random;
 
 fn sections(file: &str) -> Option<(Vec<Section>, Bounds)> {
     let path = common::data(file)?;
@@ -23,19 +28,6 @@ fn sections(file: &str) -> Option<(Vec<Section>, Bounds)> {
 
 fn exact(sections: &[Section], bounds: Bounds) -> Skeleton {
     skeleton(sections, bounds, &Options::default(), &Silent).expect("a skeleton")
-}
-
-/// SplitMix64, as numbers from 0 to 1.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ (mixed >> 31)) as f64 / 2f64.powi(64)
-    }
 }
 
 /// Where a vertical line passes triangles: the height, the label below, the one
@@ -77,18 +69,18 @@ fn holds(file: &str) {
         assert_eq!(facts.self_intersections, Some(0), "{file}, label {label}");
     }
     let oracle = Oracle::new(&sections, bounds, Label::OUTSIDE).expect("an oracle");
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut compared = 0;
     let mut lines = 0;
     while compared < 100_000 {
         lines += 1;
-        let [x, y] = [0, 1].map(|axis| bounds.min[axis] + random.next() * bounds.size()[axis]);
+        let [x, y] = [0, 1].map(|axis| bounds.min[axis] + random.unit() * bounds.size()[axis]);
         let passes = passes(&result.mesh, DVec2::new(x, y));
         for pair in passes.windows(2) {
             assert_eq!(pair[0].2, pair[1].1, "{file}: labels along a line at {x}, {y}");
         }
         let heights: Vec<f64> =
-            (0..100).map(|_| bounds.min.z + random.next() * bounds.size().z).collect();
+            (0..100).map(|_| bounds.min.z + random.unit() * bounds.size().z).collect();
         for z in heights {
             // The surface's corners are rounded.
             if passes.iter().any(|pass| (pass.0 - z).abs() < 1e-9 * bounds.diagonal()) {

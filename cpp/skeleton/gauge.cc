@@ -72,8 +72,11 @@ bool farthest_each(const std::vector<Vector>& corners, std::size_t count) {
   return true;
 }
 
+// More than any scale is rounded to.
+constexpr int all_bits = 96;
+
 std::vector<Vector> all_corners(const std::vector<Plane>& planes) {
-  for (int bits : {24, 48, 96}) {
+  for (int bits : {24, 48, all_bits}) {
     std::vector<Vector> corners = normals(planes, bits);
     const std::size_t count = corners.size();
     for (const Vector& direction : neighbours()) {
@@ -127,6 +130,11 @@ Gauge::Gauge(const std::vector<Plane>& planes) {
         {{names.at(edge->vertex()->point()), names.at(edge->opposite()->vertex()->point())},
          {left, right}});
   }
+}
+
+bool Gauge::scales_suffice(const std::vector<Plane>& planes) {
+  const std::vector<Vector> corners = normals(planes, all_bits);
+  return farthest_each(corners, corners.size());
 }
 
 const Vector& Gauge::farthest(const Vector& normal) const {

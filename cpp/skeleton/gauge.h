@@ -32,6 +32,9 @@ struct Gauge {
   // Throws std::domain_error if planes are too close to parallel for their scales.
   explicit Gauge(const std::vector<Plane>& planes);
 
+  // Whether planes, in any cell, are far enough from parallel for their scales.
+  static bool scales_suffice(const std::vector<Plane>& planes);
+
   // The corner that is farthest along the normal of one of the planes.
   const Vector& farthest(const Vector& normal) const;
 };

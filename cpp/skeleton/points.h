@@ -46,6 +46,7 @@ class Points {
 
   // Which side of a plane any point is on.
   std::int8_t side_of(const Point& point, Index plane) const {
+    point.exact();  // else coordinates may be off by more than rounding
     const auto& [a, b, c, d] = rough_[plane];
     const double x = a * CGAL::to_double(point.x()), y = b * CGAL::to_double(point.y()),
                  z = c * CGAL::to_double(point.z());

@@ -114,12 +114,21 @@ class Maker {
     return kept;
   }
 
+  // Where walls are equally far along a whole line, what is left of an outline can be
+  // a part of the line.
+  static bool has_area(const Outline& outline) {
+    for (std::size_t i = 2; i < outline.size(); ++i) {
+      if (!CGAL::collinear(outline[0].foot, outline[i - 1].foot, outline[i].foot)) return true;
+    }
+    return false;
+  }
+
   void add_roof(Index first, Index second) {
     Outline area = outline(first);
     for (Index third = 0; third < heights_.count() && !area.empty(); ++third) {
       if (third != first && third != second) area = lower(area, first, second, third);
     }
-    if (area.size() < 3) return;
+    if (!has_area(area)) return;
     Roof roof;
     roof.walls[0] = first;
     roof.walls[1] = second;
@@ -199,14 +208,31 @@ class Maker {
     }
   }
 
+  // Of the roofs towards `others` the lowest by their heights there. Of several as low
+  // all along the piece some may be as narrow as the line over it, and are none.
+  Index lowest(Index wall, const std::vector<Index>& others, const std::vector<Number>& heights) {
+    Index best = none;
+    for (Index other : others) {
+      if (best != none) {
+        const auto order = CGAL::compare(heights[other], heights[best]);
+        if (order == CGAL::LARGER || (order == CGAL::EQUAL && !has_roof(wall, other))) continue;
+      }
+      best = other;
+    }
+    return best;
+  }
+
+  bool has_roof(Index one, Index other) const {
+    return roof_of_.count(std::minmax(one, other)) != 0;
+  }
+
   // Follows the lowest roof from one end of a piece to the other.
   void lift(Index wall, const Piece& piece) {
     const End &from = end(wall, piece.from), &to = end(wall, piece.to);
     const auto& p = from.heights;
     const auto& q = to.heights;
     Lifted lifted{wall, piece, {}};
-    Index current = *std::min_element(from.lowest.begin(), from.lowest.end(),
-                                      [&](Index a, Index b) { return q[a] < q[b]; });
+    Index current = lowest(wall, from.lowest, q);
     Index start = from.lifted;
     while (true) {
       // The next roof is the first that comes below this one.
@@ -229,8 +255,7 @@ class Maker {
       arrive(wall, next, stop);
       add_part(lifted, current, start, stop);
       start = stop;
-      current = *std::min_element(next.begin(), next.end(),
-                                  [&](Index a, Index b) { return q[a] < q[b]; });
+      current = lowest(wall, next, q);
     }
     add_part(lifted, current, start, to.lifted);
     roofs_.lifted.push_back(std::move(lifted));

@@ -140,8 +140,18 @@ impl Check {
     /// Whether every surface faces outward and is closed, or closed but for the
     /// box where caps are left out.
     pub fn is_sound(&self) -> bool {
-        self.labels.iter().all(|label| {
-            label.facts.outward && (label.facts.closed || label.open_edges > 0) && label.open_at_box
+        self.labels.iter().all(LabelCheck::is_sound)
+    }
+
+    /// What is wrong with which of a mesh's surfaces, and where, if something is.
+    pub fn fault(&self, mesh: &Mesh) -> Option<String> {
+        let label = self.labels.iter().find(|label| !label.is_sound())?;
+        let name = format!("the surface of label {}", label.label);
+        let gap = mesh.surface(Label(label.label)).first_gap();
+        Some(match gap {
+            Some(at) => format!("{name} is not closed at {at}"),
+            None if label.facts.outward => format!("{name} is open away from the box"),
+            None => format!("a piece of {name} faces inward"),
         })
     }
 }
@@ -240,6 +250,10 @@ fn passages_of(
 }
 
 impl LabelCheck {
+    fn is_sound(&self) -> bool {
+        self.facts.outward && (self.facts.closed || self.open_edges > 0) && self.open_at_box
+    }
+
     /// The same for the surface without its caps.
     fn without_caps(mut self, surface: &Surface, bounds: Bounds, tolerance: f64) -> Self {
         let edges = surface.open_edges();

@@ -74,8 +74,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         check(&model.sections().sections, mesh, samples, options, watcher.progress())
     })?;
 
-    if !checked.is_sound() {
-        return Err(Error::Bug { stage: "check", what: "a surface is not closed".to_owned() });
+    if let Some(what) = checked.fault(&derived.mesh) {
+        return Err(Error::Bug { stage: "check", what });
     }
     let tolerance = CAP_TOLERANCE * derived.samples.lattice.voxel;
     let opened = open.map(|bounds| derived.mesh.without_caps(bounds, tolerance));

@@ -8,6 +8,8 @@ mod bridge {
     struct Component {
         /// Cubic world units; negative where the surface faces inward.
         volume: f64,
+        /// What rounding can have made of the volume, in cubic world units.
+        rounding: f64,
         /// Vertices − edges + faces.
         euler: i64,
         /// The corner of its box with the smallest coordinates.

@@ -15,7 +15,8 @@ pub struct Facts {
     pub closed: bool,
     /// Whether the surface is closed and its inside lies behind its triangles
     /// everywhere: every piece that encloses a negative volume is a cavity in
-    /// the box of one that encloses a larger positive one.
+    /// the box of one that encloses a larger positive one, or so thin that its
+    /// vertices' rounding can turn it inside out.
     pub outward: bool,
     /// Cubic world units; what cavities enclose is not counted.
     pub volume: f64,
@@ -64,7 +65,8 @@ fn faces_outward(piece: &Component, pieces: &[Component]) -> bool {
     let within = |outer: &Component| {
         (0..3).all(|axis| outer.min[axis] <= piece.min[axis] && piece.max[axis] <= outer.max[axis])
     };
-    piece.volume >= 0.0 || pieces.iter().any(|outer| outer.volume > -piece.volume && within(outer))
+    piece.volume >= -piece.rounding
+        || pieces.iter().any(|outer| outer.volume > -piece.volume && within(outer))
 }
 
 #[cfg(test)]
@@ -129,6 +131,18 @@ mod tests {
         surface.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
         let facts = surface.facts(false).unwrap();
         assert!(facts.closed && !facts.outward);
+    }
+
+    #[test]
+    fn what_is_thinner_than_rounding_has_no_inside() {
+        let with = |height: f64| {
+            let apex = DVec3::new(0.3, 0.3, 1.0 + height);
+            let base = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|corner| corner + DVec3::Z);
+            tetrahedron([apex, base[0], base[1], base[2]]).facts(false).unwrap()
+        };
+        let (up, down) = (with(1e-3), with(-1e-3));
+        assert!(up.outward != down.outward, "{up:?}, {down:?}");
+        assert!(with(f64::EPSILON).outward && with(-f64::EPSILON).outward);
     }
 
     #[test]

@@ -26,6 +26,43 @@ impl Mesh {
         corners.into_surface(self, &triangles)
     }
 
+    /// The edges where two sheets of one label's surface, or of that of all materials
+    /// together, touch and that end for both in the same vertices: whatever order the
+    /// triangles there are paired in, the surface has four at that edge. Divided in the
+    /// middle, where each sheet gets a vertex of its own, the edge becomes two for each.
+    pub fn tied_edges(&self) -> Vec<[u32; 2]> {
+        let mut found = self.tied_around(Label::is_material);
+        for label in self.labels() {
+            found.extend(self.tied_around(|side| side == label));
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    fn tied_around(&self, inside: impl Fn(Label) -> bool + Sync) -> Vec<[u32; 2]> {
+        let triangles = self.triangles_around(inside);
+        let sides = sorted_sides(&triangles);
+        let crowded = || sides.chunk_by(|one, other| one.0 == other.0).filter(|own| own.len() > 2);
+        if crowded().next().is_none() {
+            return Vec::new();
+        }
+        let mut corners = Corners::joined(self, &triangles);
+        let mut ends_of = |side: &Side| {
+            let ends = [u32::from(side.2), next(side.2)].map(|at| corners.0.root(3 * side.1 + at));
+            if starts_at(&triangles, side) == side.0[0] { ends } else { [ends[1], ends[0]] }
+        };
+        let mut is_tied = |around: &&[Side]| {
+            let mut sheets: Vec<_> =
+                wedges(self, &triangles, around).iter().map(|[one, _]| ends_of(one)).collect();
+            let count = sheets.len();
+            sheets.sort_unstable();
+            sheets.dedup();
+            sheets.len() < count
+        };
+        crowded().filter(|around| is_tied(around)).map(|around| around[0].0).collect()
+    }
+
     /// The triangles around the union of all labels that `inside` says yes
     /// to, oriented outward.
     pub fn triangles_around(&self, inside: impl Fn(Label) -> bool + Sync) -> Vec<[u32; 3]> {
@@ -42,6 +79,19 @@ impl Mesh {
 }
 
 impl Surface {
+    /// The middle of the first edge that has not one triangle each way; `None` where the
+    /// surface is closed.
+    pub fn first_gap(&self) -> Option<DVec3> {
+        let sides = sorted_sides(&self.triangles);
+        let is_whole = |same: &[Side]| match same {
+            [one, other] => starts_at(&self.triangles, one) != starts_at(&self.triangles, other),
+            _ => false,
+        };
+        let mut edges = sides.chunk_by(|one, other| one.0 == other.0);
+        let [start, end] = edges.find(|same| !is_whole(same))?[0].0;
+        Some(self.vertices[start as usize].midpoint(self.vertices[end as usize]))
+    }
+
     /// The edges of one triangle alone, by their vertices: where the surface is
     /// open.
     pub fn open_edges(&self) -> Vec<[u32; 2]> {
@@ -210,6 +260,72 @@ mod tests {
         assert!((facts.volume - 2.0 / 6.0).abs() < 1e-15);
         // What is outside is one piece with an edge that it touches itself at.
         assert!(mesh.surface(Label::OUTSIDE).open_edges().is_empty());
+    }
+
+    /// A bar bent to a ring whose ends touch in one edge: each end is a square
+    /// cross-section, and the two have the edge from 0 to 1 in common.
+    fn ring_that_touches_itself() -> Mesh {
+        // Four stations around the z axis, the first and last turned to touch.
+        let mut mesh = Mesh { vertices: vec![DVec3::X, DVec3::X + DVec3::Z], ..Mesh::default() };
+        let station = |mesh: &mut Mesh, degrees: f64, shared: bool| {
+            let (sine, cosine) = f64::to_radians(degrees).sin_cos();
+            let out = DVec3::new(cosine, sine, 0.0);
+            let at = |mesh: &mut Mesh, place| {
+                mesh.vertices.push(place);
+                mesh.vertices.len() as u32 - 1
+            };
+            let inner = if shared { [0, 1] } else { [at(mesh, out), at(mesh, out + DVec3::Z)] };
+            let outer = [at(mesh, 2.0 * out), at(mesh, 2.0 * out + DVec3::Z)];
+            [inner[0], outer[0], outer[1], inner[1]]
+        };
+        let rings: Vec<[u32; 4]> = [(10.0, true), (100.0, false), (190.0, false), (280.0, false)]
+            .into_iter()
+            .chain([(350.0, true)])
+            .map(|(degrees, shared)| station(&mut mesh, degrees, shared))
+            .collect();
+        let mut quad = |[a, b, c, d]: [u32; 4]| mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        for pair in rings.windows(2) {
+            for side in 0..4 {
+                let next = (side + 1) % 4;
+                quad([pair[0][side], pair[0][next], pair[1][next], pair[1][side]]);
+            }
+        }
+        let [first, last] = [rings[0], rings[4]];
+        quad([first[3], first[2], first[1], first[0]]);
+        quad(last);
+        mesh.sides = vec![[Label(1), Label::OUTSIDE]; mesh.triangles.len()];
+        mesh
+    }
+
+    #[test]
+    fn a_tied_edge_is_found_and_comes_apart_when_divided() {
+        let mut mesh = ring_that_touches_itself();
+        if mesh.surface(Label(1)).volume() < 0.0 {
+            mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        assert!(!mesh.surface(Label(1)).facts(false).expect("facts").closed);
+        assert_eq!(mesh.tied_edges(), [[0, 1]]);
+        let middle = mesh.vertices.len() as u32;
+        mesh.vertices.push(DVec3::X + 0.5 * DVec3::Z);
+        for index in 0..mesh.triangles.len() {
+            let triangle = mesh.triangles[index];
+            let Some(at) = (0..3).find(|&at| {
+                let ends = [triangle[at], triangle[(at + 1) % 3]];
+                ends == [0, 1] || ends == [1, 0]
+            }) else {
+                continue;
+            };
+            let [from, to, apex] = [0, 1, 2].map(|step| triangle[(at + step) % 3]);
+            mesh.triangles[index] = [from, middle, apex];
+            mesh.triangles.push([middle, to, apex]);
+            mesh.sides.push(mesh.sides[index]);
+        }
+        assert!(mesh.tied_edges().is_empty());
+        let facts = mesh.surface(Label(1)).facts(false).expect("facts");
+        assert!(facts.closed && facts.outward, "{facts:?}");
+        assert_eq!((facts.components, facts.genus), (1, 0));
+        // Two bodies that touch in an edge share no end.
+        assert!(touching_tetrahedra().tied_edges().is_empty());
     }
 
     #[test]

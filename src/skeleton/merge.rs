@@ -58,7 +58,7 @@ fn around(place: I64Vec3) -> impl Iterator<Item = I64Vec3> {
 
 /// Leaves out triangles with a corner twice. Of several with the same corners
 /// what is left are steps from label to label that do not cancel.
-fn cancel(skeleton: &mut Skeleton) {
+pub(super) fn cancel(skeleton: &mut Skeleton) {
     let (triangles, sides) = (&skeleton.mesh.triangles, &skeleton.mesh.sides);
     let mut same: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
     for (index, &corners) in triangles.iter().enumerate() {

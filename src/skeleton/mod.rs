@@ -14,6 +14,7 @@
 mod input;
 mod merge;
 mod splits;
+mod tied;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -163,16 +164,43 @@ pub fn skeleton(
     }
     let contradictions = prepared.contradictions().map_err(failed)?;
     let mut made = joined.into_skeleton(prepared.contours());
-    if !options.exact {
-        made.details.joined = merge::merge(&mut made, MERGED * bounds.diagonal());
+    if options.exact {
+        untie(&mut made);
+    } else {
+        made = without_slivers(made, MERGED * bounds.diagonal())?;
     }
-    compact(&mut made);
     let details = &mut made.details;
     details.contradictions = contradictions_of(sections, contradictions);
     details.snapped = prepared.snapped();
     details.cells = prepared.cells();
     details.bits = prepared.bits();
     Ok(made)
+}
+
+/// Joins vertices that rounding can hardly tell apart, unless that turns a solid that is as
+/// thin inside out, or leaves sheets of it that lie on each other.
+fn without_slivers(made: Skeleton, distance: f64) -> Result<Skeleton> {
+    let mut merged = made.clone();
+    merged.details.joined = merge::merge(&mut merged, distance);
+    if untie(&mut merged) && faces_outward(&merged.mesh)? || merged.details.joined == 0 {
+        return Ok(merged);
+    }
+    let mut made = made;
+    untie(&mut made);
+    Ok(made)
+}
+
+fn faces_outward(mesh: &Mesh) -> Result<bool> {
+    let labels = mesh.labels();
+    let outward = labels.par_iter().map(|&label| Ok(mesh.surface(label).facts(false)?.outward));
+    Ok(outward.collect::<Result<Vec<bool>>>()?.into_iter().all(|outward| outward))
+}
+
+/// Parts what touches itself, in the final order of the vertices: how triangles on each
+/// other are paired depends on it. Whether that came to an end.
+fn untie(skeleton: &mut Skeleton) -> bool {
+    compact(skeleton);
+    tied::divide(skeleton)
 }
 
 /// The surfaces of all cells with the points they share.
