@@ -3,15 +3,17 @@
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/polygon_soup_io.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/box_intersection_d.h>
 #include <CGAL/version.h>
 #include <openvdb/version.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -106,12 +108,6 @@ std::vector<Component> components(const Polyhedron& mesh, const ComponentOf& com
 
 using Corners = std::array<Kernel::Point_3, 3>;
 
-Corners corners(const Polyhedron& mesh, Face face) {
-  const auto h = mesh.halfedge(face);
-  return {mesh.point(mesh.target(h)), mesh.point(mesh.target(mesh.next(h))),
-          mesh.point(mesh.source(h))};
-}
-
 // Puts the corners that two triangles have at the same places first, in the
 // same order. How many there are.
 int match(Corners& one, Corners& other) {
@@ -126,23 +122,50 @@ int match(Corners& one, Corners& other) {
   return count;
 }
 
-// Whether two triangles meet in a corner or an edge that both have, and nowhere
-// else. Decided exactly. From a common corner on, everything else that both
-// have leads out of one of them through the side opposite to it; two triangles
-// at a common edge meet elsewhere only when one is folded onto the other.
-bool only_touch(Corners one, Corners other) {
-  const Kernel::Triangle_3 first(one[0], one[1], one[2]), second(other[0], other[1], other[2]);
-  if (first.is_degenerate() || second.is_degenerate()) return false;
-  switch (match(one, other)) {
-    case 1:
-      return !CGAL::do_intersect(Kernel::Segment_3(one[1], one[2]), second) &&
-             !CGAL::do_intersect(Kernel::Segment_3(other[1], other[2]), first);
-    case 2:
-      return !CGAL::coplanar(one[0], one[1], one[2], other[2]) ||
-             CGAL::coplanar_orientation(one[0], one[1], one[2], other[2]) == CGAL::NEGATIVE;
-    default:
-      return false;
+// What a triangle without area is: its longest side.
+Kernel::Segment_3 longest_side(const Corners& own) {
+  const Kernel::Segment_3 sides[3] = {{own[0], own[1]}, {own[1], own[2]}, {own[2], own[0]}};
+  return *std::max_element(sides, sides + 3, [](const auto& one, const auto& other) {
+    return one.squared_length() < other.squared_length();
+  });
+}
+
+// A triangle as crossings are looked for.
+struct Facet {
+  Corners corners;
+  bool has_area;
+};
+
+// Whether two triangles without a common corner have a common point.
+bool meet(const Facet& one, const Facet& other) {
+  if (!one.has_area && !other.has_area) return false;
+  const auto triangle = [](const Corners& own) {
+    return Kernel::Triangle_3(own[0], own[1], own[2]);
+  };
+  if (!one.has_area) return CGAL::do_intersect(longest_side(one.corners), triangle(other.corners));
+  if (!other.has_area) {
+    return CGAL::do_intersect(longest_side(other.corners), triangle(one.corners));
   }
+  return CGAL::do_intersect(triangle(one.corners), triangle(other.corners));
+}
+
+// Whether two triangles meet other than in a corner or an edge that both have at the same
+// place. Decided exactly. From a common corner on, everything else that both have leads out
+// of one of them through the side opposite to it; two triangles at a common edge meet
+// elsewhere only when one is folded onto the other.
+bool cross(const Facet& one, const Facet& other) {
+  Corners first = one.corners, second = other.corners;
+  const int common = match(first, second);
+  if (common == 0) return meet(one, other);
+  if (common == 3) return true;
+  if (!one.has_area || !other.has_area) return false;
+  if (common == 1) {
+    const Kernel::Triangle_3 a(first[0], first[1], first[2]), b(second[0], second[1], second[2]);
+    return CGAL::do_intersect(Kernel::Segment_3(first[1], first[2]), b) ||
+           CGAL::do_intersect(Kernel::Segment_3(second[1], second[2]), a);
+  }
+  return CGAL::coplanar(first[0], first[1], first[2], second[2]) &&
+         CGAL::coplanar_orientation(first[0], first[1], first[2], second[2]) != CGAL::NEGATIVE;
 }
 
 }  // namespace
@@ -165,14 +188,50 @@ Facts measure(rust::Slice<const double> points, rust::Slice<const uint32_t> tria
   return facts;
 }
 
-uint64_t count_self_intersections(rust::Slice<const double> points,
-                                  rust::Slice<const uint32_t> triangles) {
-  const Polyhedron mesh = polyhedron(points, triangles).first;
-  std::vector<std::pair<Face, Face>> pairs;
-  PMP::self_intersections(mesh, std::back_inserter(pairs));
-  return std::count_if(pairs.begin(), pairs.end(), [&mesh](const auto& pair) {
-    return !only_touch(corners(mesh, pair.first), corners(mesh, pair.second));
+rust::Vec<uint32_t> crossings(rust::Slice<const double> points,
+                              rust::Slice<const uint32_t> triangles,
+                              rust::Slice<const uint32_t> asked) {
+  using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+  const size_t count = points.size() / 3;
+  std::vector<Facet> facets;
+  std::vector<Box> boxes;
+  for (size_t i = 0; i + 2 < triangles.size(); i += 3) {
+    Facet facet;
+    CGAL::Bbox_3 box;
+    for (size_t j = 0; j < 3; ++j) {
+      const size_t at = triangles[i + j];
+      if (at >= count) throw std::out_of_range("vertex index");
+      facet.corners[j] = Kernel::Point_3(points[3 * at], points[3 * at + 1], points[3 * at + 2]);
+      box += facet.corners[j].bbox();
+    }
+    facet.has_area = !CGAL::collinear(facet.corners[0], facet.corners[1], facet.corners[2]);
+    boxes.emplace_back(box, static_cast<uint32_t>(facets.size()));
+    facets.push_back(facet);
+  }
+  std::vector<std::pair<uint32_t, uint32_t>> near;
+  const auto add = [&](const Box& one, const Box& other) {
+    if (one.info() != other.info()) near.push_back(std::minmax(one.info(), other.info()));
+  };
+  if (asked.empty()) {
+    CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), add);
+  } else {
+    std::vector<Box> some;
+    for (const uint32_t triangle : asked) some.push_back(boxes.at(triangle));
+    CGAL::box_intersection_d(some.begin(), some.end(), boxes.begin(), boxes.end(), add);
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  std::vector<char> do_cross(near.size());
+  tbb::parallel_for(size_t{0}, near.size(), [&](size_t i) {
+    do_cross[i] = cross(facets[near[i].first], facets[near[i].second]);
   });
+  rust::Vec<uint32_t> out;
+  for (size_t i = 0; i < near.size(); ++i) {
+    if (!do_cross[i]) continue;
+    out.push_back(near[i].first);
+    out.push_back(near[i].second);
+  }
+  return out;
 }
 
 struct Tree::Impl {

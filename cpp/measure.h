@@ -15,11 +15,14 @@ struct Soup;
 rust::String library_versions();
 
 // Corner coordinates by threes, triangles by threes. Throws on an index out of
-// range. Triangles that only touch in corners or edges at the same place, shared
-// or not, do not intersect.
+// range.
 Facts measure(rust::Slice<const double> points, rust::Slice<const uint32_t> triangles);
-uint64_t count_self_intersections(rust::Slice<const double> points,
-                                  rust::Slice<const uint32_t> triangles);
+// The pairs of triangles that cross each other, whether they share vertices or not. Those
+// that only touch in corners or edges at the same place do not. With triangles that are
+// asked for, only pairs with one of these.
+rust::Vec<uint32_t> crossings(rust::Slice<const double> points,
+                              rust::Slice<const uint32_t> triangles,
+                              rust::Slice<const uint32_t> asked);
 
 // An AABB tree over the triangles that have an area, with all that queries
 // need built: after that they only read.

@@ -73,7 +73,8 @@ pub struct Skeleton {
 /// How an exact surface is made fair.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Fairing {
-    /// How long edges are to be, in world units; a voxel when it is not given.
+    /// How long edges are to be, in world units; when it is not given 0.65 % of the box's
+    /// longest side, whatever the grid is.
     pub edge_length: Option<f64>,
 }
 

@@ -80,7 +80,7 @@ pub struct ReconstructArguments {
         default_value = "surface,density,label,surface_*"
     )]
     pub grids: Vec<String>,
-    /// With --method skeleton: make the surface fair, contours fixed, with edges of this length in world units [default: a voxel]
+    /// With --method skeleton: make the surface fair, contours fixed, with edges of this length in world units [default: 0.65 % of the box, whatever the resolution]
     #[arg(long, value_name = "LENGTH", num_args = 0..=1, value_parser = positive)]
     pub fair: Option<Option<f64>>,
     /// With --method skeleton: write the surface with exact coordinates as JSON

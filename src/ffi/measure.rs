@@ -50,9 +50,10 @@ mod bridge {
         /// Closedness, volume, area and topology of a triangle mesh.
         fn measure(points: &[f64], triangles: &[u32]) -> Result<Facts>;
 
-        /// How many pairs of triangles intersect other than in a corner or an
-        /// edge that both have at the same place.
-        fn count_self_intersections(points: &[f64], triangles: &[u32]) -> Result<u64>;
+        /// The pairs of triangles that intersect other than in a corner or an edge
+        /// that both have at the same place, by their numbers: those with a triangle
+        /// that is asked for, if any is.
+        fn crossings(points: &[f64], triangles: &[u32], asked: &[u32]) -> Result<Vec<u32>>;
 
         /// Triangles arranged for distance queries, from any thread.
         type Tree;

@@ -1,9 +1,11 @@
 //! What a surface is like: closed, how large, of which genus.
 
+use glam::DVec3;
+use rayon::prelude::*;
 use serde::Serialize;
 
-use super::Surface;
 use super::nearest::flat;
+use super::{Mesh, Surface};
 use crate::error::{Error, Result};
 use crate::ffi::measure::{self, Component};
 
@@ -45,8 +47,8 @@ impl Surface {
         let corners = self.triangles.as_flattened();
         let facts = measure::measure(&points, corners).map_err(error)?;
         let pieces = &facts.components;
-        let intersections = self_intersections
-            .then(|| measure::count_self_intersections(&points, corners).map_err(error));
+        let count = || Ok(crossings(&self.vertices, &self.triangles, &[])?.len() as u64);
+        let intersections = self_intersections.then(count);
         Ok(Facts {
             closed: facts.closed,
             outward: facts.closed && pieces.iter().all(|piece| faces_outward(piece, pieces)),
@@ -59,6 +61,34 @@ impl Surface {
             self_intersections: intersections.transpose()?,
         })
     }
+}
+
+impl Mesh {
+    /// Whether every label's surface is closed and has its inside behind it.
+    ///
+    /// # Errors
+    /// When CGAL fails.
+    pub fn faces_outward(&self) -> Result<bool> {
+        let labels = self.labels();
+        let outward = labels.par_iter().map(|&label| Ok(self.surface(label).facts(false)?.outward));
+        Ok(outward.collect::<Result<Vec<bool>>>()?.into_iter().all(|outward| outward))
+    }
+}
+
+/// The pairs of triangles that intersect other than in a corner or an edge that both
+/// have at the same place: those with a triangle that is asked for, if any is. Decided
+/// exactly.
+///
+/// # Errors
+/// When a triangle has a vertex that is not there.
+pub fn crossings(
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+    asked: &[u32],
+) -> Result<Vec<[u32; 2]>> {
+    let found = measure::crossings(&flat(vertices), triangles.as_flattened(), asked)
+        .map_err(|exception| Error::library("measure", &exception))?;
+    Ok(found.as_chunks().0.to_vec())
 }
 
 fn faces_outward(piece: &Component, pieces: &[Component]) -> bool {

@@ -262,59 +262,60 @@ mod tests {
         assert!(mesh.surface(Label::OUTSIDE).open_edges().is_empty());
     }
 
-    /// A bar bent to a ring whose ends touch in one edge: each end is a square
-    /// cross-section, and the two have the edge from 0 to 1 in common.
-    fn ring_that_touches_itself() -> Mesh {
-        // Four stations around the z axis, the first and last turned to touch.
-        let mut mesh = Mesh { vertices: vec![DVec3::X, DVec3::X + DVec3::Z], ..Mesh::default() };
-        let station = |mesh: &mut Mesh, degrees: f64, shared: bool| {
-            let (sine, cosine) = f64::to_radians(degrees).sin_cos();
-            let out = DVec3::new(cosine, sine, 0.0);
-            let at = |mesh: &mut Mesh, place| {
-                mesh.vertices.push(place);
-                mesh.vertices.len() as u32 - 1
-            };
-            let inner = if shared { [0, 1] } else { [at(mesh, out), at(mesh, out + DVec3::Z)] };
-            let outer = [at(mesh, 2.0 * out), at(mesh, 2.0 * out + DVec3::Z)];
-            [inner[0], outer[0], outer[1], inner[1]]
+    /// Two slabs of two by two cubes with two columns between them that touch in an edge.
+    fn slabs_and_columns() -> Mesh {
+        let is_full = |[x, y, z]: [i32; 3]| {
+            (0..2).contains(&x) && (0..2).contains(&y) && (0..3).contains(&z) && (z != 1 || x == y)
         };
-        let rings: Vec<[u32; 4]> = [(10.0, true), (100.0, false), (190.0, false), (280.0, false)]
-            .into_iter()
-            .chain([(350.0, true)])
-            .map(|(degrees, shared)| station(&mut mesh, degrees, shared))
-            .collect();
-        let mut quad = |[a, b, c, d]: [u32; 4]| mesh.triangles.extend([[a, b, c], [a, c, d]]);
-        for pair in rings.windows(2) {
-            for side in 0..4 {
-                let next = (side + 1) % 4;
-                quad([pair[0][side], pair[0][next], pair[1][next], pair[1][side]]);
+        let number = |[x, y, z]: [i32; 3]| (x * 3 + y) * 4 + z;
+        let mut mesh = Mesh::default();
+        for at in 0..36 {
+            let place = [at / 12, at / 4 % 3, at % 4].map(f64::from);
+            mesh.vertices.push(DVec3::from(place));
+        }
+        for at in 0..12 {
+            let cube = [at / 6, at / 3 % 2, at % 3];
+            if !is_full(cube) {
+                continue;
+            }
+            for (axis, step) in [(0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1)] {
+                let mut beyond = cube;
+                beyond[axis] += step;
+                if is_full(beyond) {
+                    continue;
+                }
+                let corner = |u: i32, v: i32| {
+                    let mut corner = cube;
+                    corner[axis] += i32::from(step > 0);
+                    corner[(axis + 1) % 3] += u;
+                    corner[(axis + 2) % 3] += v;
+                    number(corner) as u32
+                };
+                let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                let [b, d] = if step > 0 { [b, d] } else { [d, b] };
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
             }
         }
-        let [first, last] = [rings[0], rings[4]];
-        quad([first[3], first[2], first[1], first[0]]);
-        quad(last);
         mesh.sides = vec![[Label(1), Label::OUTSIDE]; mesh.triangles.len()];
         mesh
     }
 
     #[test]
     fn a_tied_edge_is_found_and_comes_apart_when_divided() {
-        let mut mesh = ring_that_touches_itself();
-        if mesh.surface(Label(1)).volume() < 0.0 {
-            mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-        }
+        let mut mesh = slabs_and_columns();
         assert!(!mesh.surface(Label(1)).facts(false).expect("facts").closed);
-        assert_eq!(mesh.tied_edges(), [[0, 1]]);
+        // From (1, 1, 1) to (1, 1, 2).
+        let tied = [17, 18];
+        assert_eq!(mesh.tied_edges(), [tied]);
         let middle = mesh.vertices.len() as u32;
-        mesh.vertices.push(DVec3::X + 0.5 * DVec3::Z);
+        mesh.vertices.push(DVec3::new(1.0, 1.0, 1.5));
         for index in 0..mesh.triangles.len() {
             let triangle = mesh.triangles[index];
-            let Some(at) = (0..3).find(|&at| {
+            let at = (0..3).find(|&at| {
                 let ends = [triangle[at], triangle[(at + 1) % 3]];
-                ends == [0, 1] || ends == [1, 0]
-            }) else {
-                continue;
-            };
+                ends == tied || ends == [tied[1], tied[0]]
+            });
+            let Some(at) = at else { continue };
             let [from, to, apex] = [0, 1, 2].map(|step| triangle[(at + step) % 3]);
             mesh.triangles[index] = [from, middle, apex];
             mesh.triangles.push([middle, to, apex]);
@@ -323,8 +324,9 @@ mod tests {
         assert!(mesh.tied_edges().is_empty());
         let facts = mesh.surface(Label(1)).facts(false).expect("facts");
         assert!(facts.closed && facts.outward, "{facts:?}");
-        assert_eq!((facts.components, facts.genus), (1, 0));
-        // Two bodies that touch in an edge share no end.
+        assert_eq!((facts.components, facts.genus), (1, 1));
+        assert!((facts.volume - 10.0).abs() < 1e-12);
+        // Two bodies that touch in a vertex share no edge.
         assert!(touching_tetrahedra().tied_edges().is_empty());
     }
 

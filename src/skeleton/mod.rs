@@ -182,18 +182,12 @@ pub fn skeleton(
 fn without_slivers(made: Skeleton, distance: f64) -> Result<Skeleton> {
     let mut merged = made.clone();
     merged.details.joined = merge::merge(&mut merged, distance);
-    if untie(&mut merged) && faces_outward(&merged.mesh)? || merged.details.joined == 0 {
+    if untie(&mut merged) && merged.mesh.faces_outward()? || merged.details.joined == 0 {
         return Ok(merged);
     }
     let mut made = made;
     untie(&mut made);
     Ok(made)
-}
-
-fn faces_outward(mesh: &Mesh) -> Result<bool> {
-    let labels = mesh.labels();
-    let outward = labels.par_iter().map(|&label| Ok(mesh.surface(label).facts(false)?.outward));
-    Ok(outward.collect::<Result<Vec<bool>>>()?.into_iter().all(|outward| outward))
 }
 
 /// Parts what touches itself, in the final order of the vertices: how triangles on each

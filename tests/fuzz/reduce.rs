@@ -1,12 +1,16 @@
 //! Makes a failing set small.
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use super::generate;
 use super::judge::Verdict;
 use super::set::Set;
 use super::worker::Worker;
 use super::{Job, Source};
+
+/// Longer than this no set is reduced.
+const LONGEST: Duration = Duration::from_secs(100);
 
 /// Reduces a set that failed and puts it into the corpus.
 pub fn keep(job: &Job, what: &str) {
@@ -53,10 +57,13 @@ impl Reducer {
         matches!(self.worker.ask(&self.job).verdict, Verdict::Bad(what) if kind(&what) == self.kind)
     }
 
-    /// Leaves out what can be left out: sections, contours, vertices.
+    /// Leaves out what can be left out: sections, contours, vertices. As long as there is
+    /// time.
     fn reduced(&mut self, mut set: Set) -> Set {
+        let until = Instant::now() + LONGEST;
         loop {
-            let smaller = smaller(&set).into_iter().find(|smaller| self.fails(smaller));
+            let mut smaller = smaller(&set).into_iter().take_while(|_| Instant::now() < until);
+            let smaller = smaller.find(|smaller| self.fails(smaller));
             match smaller {
                 Some(smaller) => set = smaller,
                 None => return set,

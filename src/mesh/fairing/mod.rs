@@ -2,18 +2,23 @@
 //! (Barequet and Vaxman §6), from coarse to fine.
 //!
 //! What holds: for every label the boundary stays closed, and vertices at the
-//! ends of edges that stay are in the result bit by bit. Remeshing keeps the
-//! borders of patches, smoothing moves vertices and nothing else. That surfaces
-//! do not come to cross each other where they are close is not promised.
+//! ends of edges that stay are in the result bit by bit. No triangles come to cross each
+//! other that did not before, none passes through a plane where it did not, and no solid
+//! shrinks to nothing: what would is taken back, vertex by vertex or patch by patch.
 
+mod guard;
 mod network;
 mod patches;
 mod umbrella;
 
+use std::collections::BTreeSet;
+
 use crate::error::{Error, Result};
 use crate::grid::memory::available_memory;
 use crate::mesh::Mesh;
+use crate::plane::Plane;
 
+use guard::Solids;
 use network::Network;
 
 /// How a mesh is made fair.
@@ -27,33 +32,91 @@ pub struct FairingOptions {
 
 /// Edges on each level are so many times as long as on the last. What is smooth
 /// takes few steps where edges are long.
-const LEVELS: [f64; 3] = [4.0, 2.0, 1.0];
+const LEVELS: [f64; 2] = [2.0, 1.0];
+/// Steps after which it is looked whether all is well.
+const BETWEEN_LOOKS: u32 = 100;
+/// Times that it is begun again with patches that stay as they are.
+const TRIES: u32 = 4;
 /// Bytes that a triangle takes while it is remeshed.
 const TRIANGLE_BYTES: f64 = 1000.0;
 
+/// A fair network.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fair {
+    /// The network.
+    pub mesh: Mesh,
+    /// Patches of surface, between edges that stay and curves where surfaces meet.
+    pub patches: usize,
+    /// How many of these were left as they were.
+    pub left: usize,
+}
+
 /// A network with edges of about the wanted length, smooth but for some edges,
 /// each given by its two vertices, that stay where they are. Those that are too
-/// long are divided, as are curves where more than two surfaces meet.
+/// long are divided, as are curves where more than two surfaces meet. No vertex moves
+/// through one of the planes.
 ///
 /// The same for any number of threads.
 ///
 /// # Errors
 /// When the wanted length is not positive or needs more memory than there is,
 /// when an edge has a vertex that the mesh has not, or when CGAL fails.
-pub fn fair(mesh: &Mesh, fixed: &[[u32; 2]], options: &FairingOptions) -> Result<Mesh> {
+pub fn fair(
+    mesh: &Mesh,
+    fixed: &[[u32; 2]],
+    planes: &[Plane],
+    options: &FairingOptions,
+) -> Result<Fair> {
     require_length(mesh, options.edge_length)?;
-    let mut network = Network::new(mesh, fixed)?;
-    let was_open = network.open_edges();
+    let network = Network::new(mesh, fixed)?;
+    let patches = network.patches.iter().collect::<BTreeSet<_>>().len();
+    let solids = Solids::new(&network);
+    let was_sound = mesh.faces_outward()?;
+    let crossings = network.crossings()?.len();
+    let mut left = BTreeSet::new();
+    for _ in 0..TRIES {
+        let made = smoothed(network.clone(), &solids, planes, &left, options)?;
+        let mut spoiled = solids.spoiled(&made);
+        let found = made.crossings()?;
+        if found.len() > crossings {
+            spoiled.extend(made.patches_of(&found));
+        }
+        if spoiled.is_subset(&left) && found.len() <= crossings {
+            let mesh = made.into_mesh();
+            if was_sound && !mesh.faces_outward()? {
+                break;
+            }
+            return Ok(Fair { mesh, patches, left: left.len() });
+        }
+        left.extend(spoiled);
+    }
+    Ok(Fair { mesh: mesh.clone(), patches, left: patches })
+}
+
+/// A network made fair but for some patches; not to the end when others are spoiled.
+fn smoothed(
+    mut network: Network,
+    solids: &Solids,
+    planes: &[Plane],
+    left: &BTreeSet<u32>,
+    options: &FairingOptions,
+) -> Result<Network> {
+    network.pin(left);
     for level in LEVELS {
-        network.remesh(level * options.edge_length)?;
-        network.smooth(options.steps);
+        network.remesh(level * options.edge_length, left)?;
+        let mut steps = options.steps;
+        while steps > 0 {
+            let before = network.mesh.vertices.clone();
+            network.smooth(steps.min(BETWEEN_LOOKS));
+            network.settle(&before, planes)?;
+            steps -= steps.min(BETWEEN_LOOKS);
+        }
+        if !solids.spoiled(&network).is_subset(left) {
+            return Ok(network);
+        }
     }
-    let open = network.open_edges();
-    if was_open == 0 && open > 0 {
-        let what = format!("{open} edges came out open that were closed before");
-        return Err(Error::Bug { stage: "fairing", what });
-    }
-    Ok(network.into_mesh())
+    network.untie();
+    Ok(network)
 }
 
 /// Refuses lengths that are none, or that the result would not fit into memory

@@ -5,16 +5,22 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::label::Label;
 use crate::mesh::Mesh;
+use crate::mesh::sets::Sets;
 use crate::mesh::surface::{Side, sorted_sides, starts_at};
 
 /// The ends of an edge, the smaller number first.
 pub type Ends = [u32; 2];
 
+/// More rounds than any edge needs.
+const UNTYING: u32 = 8;
+
 /// A mesh in the making.
+#[derive(Clone)]
 pub struct Network {
     pub mesh: Mesh,
+    /// For every triangle the patch that it belongs to from the beginning on.
+    pub patches: Vec<u32>,
     /// Edges that stay where they are.
     fixed: BTreeSet<Ends>,
     /// For every vertex whether it stays where it is.
@@ -42,7 +48,8 @@ impl From<Mesh> for Network {
     /// A mesh without edges that stay.
     fn from(mesh: Mesh) -> Self {
         let pinned = vec![false; mesh.vertices.len()];
-        Self { mesh, fixed: BTreeSet::new(), pinned }
+        let patches = vec![0; mesh.triangles.len()];
+        Self { mesh, patches, fixed: BTreeSet::new(), pinned }
     }
 }
 
@@ -63,7 +70,31 @@ impl Network {
             *pinned = true;
         }
         let fixed = fixed.iter().map(|&[one, other]| [one.min(other), one.max(other)]).collect();
-        Ok(Self { mesh: mesh.clone(), fixed, pinned })
+        let mut network = Self { mesh: mesh.clone(), patches: Vec::new(), fixed, pinned };
+        network.patches = network.number_patches();
+        Ok(network)
+    }
+
+    /// For every triangle the number of its patch: what hangs together across smooth
+    /// surface.
+    fn number_patches(&self) -> Vec<u32> {
+        let count = self.mesh.triangles.len();
+        let mut patches = Sets::new(count);
+        for sides in self.edges().iter() {
+            if let ([one, other], Kind::Surface) = (sides, self.kind(sides)) {
+                patches.join(one.1, other.1);
+            }
+        }
+        (0..count as u32).map(|triangle| patches.root(triangle)).collect()
+    }
+
+    /// Keeps all of some patches where it is.
+    pub fn pin(&mut self, patches: &BTreeSet<u32>) {
+        for (triangle, patch) in self.mesh.triangles.iter().zip(&self.patches) {
+            if patches.contains(patch) {
+                triangle.iter().for_each(|&vertex| self.pinned[vertex as usize] = true);
+            }
+        }
     }
 
     pub fn edges(&self) -> Edges {
@@ -80,23 +111,6 @@ impl Network {
             }
             _ => Kind::Curve,
         }
-    }
-
-    /// At how many edges some label's triangles do not pass as often one way as
-    /// the other.
-    pub fn open_edges(&self) -> usize {
-        let is_open = |sides: &&[Side]| {
-            let mut balance: BTreeMap<Label, i32> = BTreeMap::new();
-            for side in *sides {
-                let [back, front] = self.mesh.sides[side.1 as usize];
-                let forward = starts_at(&self.mesh.triangles, side) == side.0[0];
-                let way = if forward { 1 } else { -1 };
-                *balance.entry(back).or_default() += way;
-                *balance.entry(front).or_default() -= way;
-            }
-            balance.values().any(|&balance| balance != 0)
-        };
-        self.edges().iter().filter(is_open).count()
     }
 
     /// Adds a vertex.
@@ -128,9 +142,11 @@ impl Network {
         };
         let triangles = std::mem::take(&mut self.mesh.triangles);
         let sides = std::mem::take(&mut self.mesh.sides);
-        for (&[a, b, c], sides) in triangles.iter().zip(sides) {
+        let patches = std::mem::take(&mut self.patches);
+        for ((&[a, b, c], sides), patch) in triangles.iter().zip(sides).zip(patches) {
             let pieces = self.pieces([(a, along(a, b)), (b, along(b, c)), (c, along(c, a))]);
             self.mesh.sides.extend(pieces.iter().map(|_| sides));
+            self.patches.extend(pieces.iter().map(|_| patch));
             self.mesh.triangles.extend(pieces);
         }
     }
@@ -140,7 +156,8 @@ impl Network {
         let [start, end] = ends.map(|end| self.place(end));
         let is_fixed = self.fixed.remove(&ends);
         let place = |part: u32| start.lerp(end, f64::from(part) / f64::from(parts));
-        let points: Vec<u32> = (1..parts).map(|part| self.add(place(part), is_fixed)).collect();
+        let is_pinned = is_fixed || ends.iter().all(|&end| self.pinned[end as usize]);
+        let points: Vec<u32> = (1..parts).map(|part| self.add(place(part), is_pinned)).collect();
         if is_fixed {
             let chain: Vec<u32> = [&ends[..1], &points[..], &ends[1..]].concat();
             self.fixed
@@ -169,6 +186,17 @@ impl Network {
             .map(|at| [around[at], around[(at + 1) % around.len()], apex])
             .filter(|[start, end, _]| *start != apex && *end != apex)
             .collect()
+    }
+
+    /// Divides edges that two sheets of one label share with both their ends.
+    pub fn untie(&mut self) {
+        for _ in 0..UNTYING {
+            let tied = self.mesh.tied_edges();
+            if tied.is_empty() {
+                return;
+            }
+            self.divide(&tied.into_iter().map(|ends| (ends, 2)).collect());
+        }
     }
 
     /// The mesh with the vertices that triangles have, in their order.

@@ -2,7 +2,7 @@
 //! triangles between the same two labels that need not stay. All other edges
 //! are borders of patches and stay as they are, so that remeshed patches fit.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,42 +20,72 @@ const ROUNDS: u32 = 3;
 
 /// A patch with vertices of its own: where the network's surface touches itself
 /// in a vertex, a patch has one for each fan.
-struct Piece {
+pub struct Piece {
     sides: [Label; 2],
+    /// Its number.
+    patch: u32,
     /// For every vertex its number in the network.
     vertices: Vec<u32>,
     triangles: Vec<[u32; 3]>,
 }
 
 impl Network {
-    /// Makes the edges within patches about as long as `length`.
+    /// Makes the edges within patches about as long as `length`, but for those that are to
+    /// stay and those that would come to cross another.
     ///
     /// # Errors
     /// When CGAL fails.
-    pub fn remesh(&mut self, length: f64) -> Result<()> {
-        self.divide_borders(length);
-        let pieces = self.patches();
-        let remeshed: Vec<Option<Patch>> =
-            pieces.par_iter().map(|piece| self.remeshed(piece, length)).collect::<Result<_>>()?;
-        self.mesh.triangles.clear();
-        self.mesh.sides.clear();
-        for (piece, patch) in pieces.iter().zip(remeshed) {
-            match patch {
-                Some(patch) => self.put(piece, &patch),
-                None => self.put_back(piece),
+    pub fn remesh(&mut self, length: f64, stay: &BTreeSet<u32>) -> Result<()> {
+        self.divide_borders(length, stay);
+        let pieces = self.pieces_of_patches();
+        let mut remeshed: Vec<Option<Patch>> = pieces
+            .par_iter()
+            .map(|piece| match stay.contains(&piece.patch) {
+                true => Ok(None),
+                false => self.remeshed(piece, length),
+            })
+            .collect::<Result<_>>()?;
+        let (vertices, pinned) = (self.mesh.vertices.clone(), self.pinned.clone());
+        loop {
+            self.mesh.vertices.clone_from(&vertices);
+            self.pinned.clone_from(&pinned);
+            self.assemble(&pieces, &remeshed);
+            let crossing = self.patches_of(&self.crossings()?);
+            let mut is_same = true;
+            for (piece, patch) in pieces.iter().zip(&mut remeshed) {
+                if crossing.contains(&piece.patch) && patch.take().is_some() {
+                    is_same = false;
+                }
+            }
+            if is_same {
+                return Ok(());
             }
         }
-        Ok(())
+    }
+
+    /// The network of patches, each remeshed or as it was.
+    fn assemble(&mut self, pieces: &[Piece], remeshed: &[Option<Patch>]) {
+        self.mesh.triangles.clear();
+        self.mesh.sides.clear();
+        self.patches.clear();
+        for (piece, patch) in pieces.iter().zip(remeshed) {
+            match patch {
+                Some(patch) => self.put(piece, patch),
+                None => self.put_back(piece),
+            }
+            self.patches.resize(self.mesh.triangles.len(), piece.patch);
+        }
     }
 
     /// Divides edges that are borders of patches and longer than a remesher
-    /// leaves them.
-    fn divide_borders(&mut self, length: f64) {
+    /// leaves them, but for those between patches that stay.
+    fn divide_borders(&mut self, length: f64, stay: &BTreeSet<u32>) {
         let longest = 4.0 / 3.0 * length;
         let mut parts = BTreeMap::new();
         for sides in self.edges().iter().filter(|sides| self.kind(sides) != Kind::Surface) {
             let edge = self.length(sides[0].0);
-            if edge > longest {
+            let stays = sides.iter().all(|side| stay.contains(&self.patches[side.1 as usize]));
+            if edge > longest && !stays {
                 parts.insert(sides[0].0, (edge / longest).ceil() as u32);
             }
         }
@@ -78,7 +108,7 @@ impl Network {
     }
 
     /// All patches, in the order of their first triangles.
-    fn patches(&self) -> Vec<Piece> {
+    fn pieces_of_patches(&self) -> Vec<Piece> {
         let count = self.mesh.triangles.len();
         let (mut corners, mut patches) = (Sets::new(3 * count), Sets::new(count));
         for sides in self.edges().iter() {
@@ -96,8 +126,9 @@ impl Network {
 
     fn piece(&self, members: &[u32], corners: &mut Sets) -> Piece {
         let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
-        let sides = self.mesh.sides[members[0] as usize];
-        let mut piece = Piece { sides, vertices: Vec::new(), triangles: Vec::new() };
+        let first = members[0] as usize;
+        let (sides, patch) = (self.mesh.sides[first], self.patches[first]);
+        let mut piece = Piece { sides, patch, vertices: Vec::new(), triangles: Vec::new() };
         for &triangle in members {
             let vertices = self.mesh.triangles[triangle as usize];
             piece.triangles.push(std::array::from_fn(|corner| {

@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::*;
 use crate::label::Label;
 use crate::mesh::shapes::assert_edge_manifold;
+use crate::plane::Plane;
 
 const A: Label = Label(1);
 const B: Label = Label(2);
@@ -89,10 +90,17 @@ fn stacked(upper: Label) -> (Mesh, Vec<[u32; 2]>) {
     (mesh, [ring_edges(4, 1), ring_edges(4, 4)].concat())
 }
 
+/// The fair mesh, no patch of which was left as it was.
+fn made(mesh: &Mesh, fixed: &[[u32; 2]], planes: &[Plane], options: FairingOptions) -> Mesh {
+    let fair = fair(mesh, fixed, planes, &options).expect("a fair mesh");
+    assert_eq!(fair.left, 0);
+    fair.mesh
+}
+
 #[test]
 fn terraces_of_a_ball_become_round() {
     let (mesh, fixed) = terraced_ball();
-    let fair = fair(&mesh, &fixed, &FairingOptions { edge_length: 0.05, steps: 30 }).unwrap();
+    let fair = made(&mesh, &fixed, &[], FairingOptions { edge_length: 0.05, steps: 200 });
     assert_edge_manifold(&fair, A);
     assert_kept(&mesh, &fixed, &fair);
     let facts = fair.surface(A).facts(true).unwrap();
@@ -120,7 +128,7 @@ fn labels_stay_closed_where_three_meet() {
         assert!((whole(&mesh) - 20.0).abs() < 1e-12);
         for steps in [0, 10] {
             let options = FairingOptions { edge_length: 0.1, steps };
-            let fair = fair(&mesh, &fixed, &options).unwrap();
+            let fair = made(&mesh, &fixed, &[], options);
             assert_edge_manifold(&fair, upper);
             assert_edge_manifold(&fair, B);
             assert_kept(&mesh, &fixed, &fair);
@@ -140,7 +148,7 @@ fn an_open_sheet_keeps_its_border() {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         sides: vec![[A, O]; 2],
     };
-    let fair = fair(&mesh, &[[0, 2]], &FairingOptions { edge_length: 0.1, steps: 20 }).unwrap();
+    let fair = made(&mesh, &[[0, 2]], &[], FairingOptions { edge_length: 0.1, steps: 20 });
     assert!(fair.vertices.iter().all(|vertex| vertex.z == 3.0));
     assert!(fair.triangles.len() > 200);
     let area = |triangle| {
@@ -158,7 +166,7 @@ fn any_number_of_threads_gives_the_same() {
     let options = FairingOptions { edge_length: 0.2, steps: 5 };
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| fair(&mesh, &fixed, &options).unwrap())
+        pool.install(|| fair(&mesh, &fixed, &[], &options).unwrap())
     };
     assert!(on(1) == on(3));
 }
@@ -167,9 +175,66 @@ fn any_number_of_threads_gives_the_same() {
 fn what_cannot_be_is_an_error() {
     let (mesh, fixed) = stacked(A);
     for edge_length in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        assert!(fair(&mesh, &fixed, &FairingOptions { edge_length, steps: 1 }).is_err());
+        assert!(fair(&mesh, &fixed, &[], &FairingOptions { edge_length, steps: 1 }).is_err());
     }
     let options = FairingOptions { edge_length: 1.0, steps: 1 };
-    assert!(matches!(fair(&mesh, &[[0, 24]], &options), Err(Error::Mesh(_))));
-    assert_eq!(fair(&Mesh::default(), &[], &options).unwrap(), Mesh::default());
+    assert!(matches!(fair(&mesh, &[[0, 24]], &[], &options), Err(Error::Mesh(_))));
+    assert_eq!(made(&Mesh::default(), &[], &[], options), Mesh::default());
+}
+
+#[test]
+fn nothing_moves_through_a_plane() {
+    // Between the two wide contours of four the surface bulges beyond both.
+    let levels = [(0.0, 0.5), (0.3, 1.0), (0.6, 1.0), (0.9, 0.5)];
+    let terrace = |(z, radius)| [-0.15, 0.0, 0.15].map(|step| (z + step, radius, A));
+    let mesh = lathe(24, &levels.into_iter().flat_map(terrace).collect::<Vec<_>>());
+    let fixed: Vec<[u32; 2]> = (0..4).flat_map(|at| ring_edges(24, 3 * at + 1)).collect();
+    let options = FairingOptions { edge_length: 0.05, steps: 400 };
+    let widest = |mesh: &Mesh| mesh.vertices.iter().fold(0.0, |widest: f64, at| widest.max(at.x));
+    let wall = Plane { normal: 2.0 * DVec3::X, offset: 2.0 };
+    let free = widest(&made(&mesh, &fixed, &[], options));
+    assert!(free > 1.01, "{free}");
+    let kept = made(&mesh, &fixed, &[wall], options);
+    assert!(widest(&kept) <= 1.0, "{}", widest(&kept));
+    assert!(kept.surface(A).facts(true).unwrap().outward);
+}
+
+#[test]
+fn what_would_vanish_stays_as_it_is() {
+    // Without a bend the fairest surface through one contour is flat, twice.
+    let mesh = lathe(12, &[(-0.1, 1.0, A), (0.0, 1.0, A), (0.1, 1.0, A)]);
+    let fixed = ring_edges(12, 1);
+    let options = FairingOptions { edge_length: 0.05, steps: 200 };
+    let fair = fair(&mesh, &fixed, &[], &options).unwrap();
+    let [before, after] = [&mesh, &fair.mesh].map(|mesh| mesh.surface(A).facts(true).unwrap());
+    assert!(after.outward && after.self_intersections == Some(0));
+    assert!(after.volume > 0.5 * before.volume, "{} of {}", after.volume, before.volume);
+    assert_kept(&mesh, &fixed, &fair.mesh);
+}
+
+#[test]
+fn sheets_that_are_close_do_not_come_to_cross() {
+    // Two stacks of discs, one in the other: what is between them is a fiftieth thick
+    // where the outer one is narrow and the inner one wide.
+    let terrace = |z: f64, radius: f64| [-0.1, 0.0, 0.1].map(|step| (z + step, radius, A));
+    let levels = || (-4..=4).map(|at| (0.2 * f64::from(at), at % 2 == 0));
+    let outer: Vec<_> =
+        levels().flat_map(|(z, wide)| terrace(z, if wide { 1.0 } else { 0.6 })).collect();
+    let inner: Vec<_> =
+        levels().flat_map(|(z, wide)| terrace(0.98 * z, if wide { 0.58 } else { 0.3 })).collect();
+    let mut mesh = lathe(24, &outer);
+    let hole = lathe(24, &inner);
+    let first = mesh.vertices.len() as u32;
+    mesh.vertices.extend(&hole.vertices);
+    mesh.triangles.extend(hole.triangles.iter().map(|&[a, b, c]| [a, c, b].map(|at| at + first)));
+    mesh.sides.extend(&hole.sides);
+    let of = |ring: u32| [ring_edges(24, ring), ring_edges(24, ring + 27)].concat();
+    let fixed: Vec<[u32; 2]> = (0..9).flat_map(|at| of(3 * at + 1)).collect();
+    assert_eq!(mesh.surface(A).facts(true).unwrap().self_intersections, Some(0));
+    let options = FairingOptions { edge_length: 0.04, steps: 100 };
+    let fair = fair(&mesh, &fixed, &[], &options).unwrap();
+    let facts = fair.mesh.surface(A).facts(true).unwrap();
+    assert!(facts.closed && facts.outward, "{facts:?}");
+    assert_eq!(facts.self_intersections, Some(0));
+    assert!(fair.left < fair.patches, "{} of {}", fair.left, fair.patches);
 }

@@ -11,9 +11,16 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::network::{Kind, Network};
+use crate::mesh::Mesh;
 
 /// One over the largest eigenvalue of U².
 const RATE: f64 = 0.25;
+
+/// The cosine of the angle that a triangle may turn by in a step.
+const UPRIGHT: f64 = 0.5;
+
+/// Times that triangles are looked at again when others' vertices were left.
+const ROUNDS: u32 = 1;
 
 /// More than two curves.
 const MANY: u32 = 3;
@@ -32,11 +39,42 @@ impl Network {
         for _ in 0..steps {
             let first = umbrellas.of(&self.mesh.vertices);
             let second = umbrellas.of(&first);
-            self.mesh.vertices.par_iter_mut().enumerate().for_each(|(vertex, place)| {
+            let mut next = self.mesh.vertices.clone();
+            next.par_iter_mut().enumerate().for_each(|(vertex, place)| {
                 if !self.pinned[vertex] {
                     *place -= RATE * second[vertex];
                 }
             });
+            self.take_back(&mut next);
+            self.mesh.vertices = next;
+        }
+    }
+
+    /// Leaves the vertices of triangles that would turn over where they are.
+    fn take_back(&self, next: &mut [DVec3]) {
+        let Mesh { vertices, triangles, .. } = &self.mesh;
+        for _ in 0..ROUNDS {
+            let turns_over = |triangle: &&[u32; 3]| {
+                let [was, is] = [&vertices[..], &next[..]].map(|places| {
+                    let [a, b, c] = triangle.map(|vertex| places[vertex as usize]);
+                    (b - a).cross(c - a)
+                });
+                was.dot(is) < UPRIGHT * was.length() * is.length()
+            };
+            let moved = |triangle: &&[u32; 3]| {
+                triangle.iter().any(|&vertex| next[vertex as usize] != vertices[vertex as usize])
+            };
+            let turned: Vec<[u32; 3]> = triangles
+                .par_iter()
+                .filter(|triangle| turns_over(triangle) && moved(triangle))
+                .copied()
+                .collect();
+            if turned.is_empty() {
+                return;
+            }
+            for &vertex in turned.as_flattened() {
+                next[vertex as usize] = vertices[vertex as usize];
+            }
         }
     }
 }

@@ -1,0 +1,178 @@
+//! What a surface must not come to while it is made fair: it must not cross itself or
+//! another, pass through a section other than at a contour, or shrink to nothing.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::network::Network;
+use crate::error::Result;
+use crate::label::Label;
+use crate::mesh::Mesh;
+use crate::mesh::facts::crossings;
+use crate::mesh::sets::Sets;
+use crate::plane::Plane;
+
+/// Times that what is wrong is taken back, each time with one more ring of neighbours,
+/// before everything is.
+const ROUNDS: usize = 6;
+/// A piece that comes to have less than this part of its volume, or more than its inverse,
+/// is not made fair.
+const SHRUNK: f64 = 0.5;
+/// So near to a plane is on it, relative to the size.
+const ON: f64 = 1e-12;
+
+impl Network {
+    /// The pairs of triangles that cross each other.
+    ///
+    /// # Errors
+    /// When CGAL fails.
+    pub fn crossings(&self) -> Result<Vec<[u32; 2]>> {
+        crossings(&self.mesh.vertices, &self.mesh.triangles, &[])
+    }
+
+    /// The patches that triangles belong to.
+    pub fn patches_of(&self, pairs: &[[u32; 2]]) -> BTreeSet<u32> {
+        pairs.as_flattened().iter().map(|&triangle| self.patches[triangle as usize]).collect()
+    }
+
+    /// Puts vertices that moved wrongly back to where they were, with what is around them.
+    ///
+    /// # Errors
+    /// When CGAL fails.
+    pub fn settle(&mut self, before: &[DVec3], planes: &[Plane]) -> Result<()> {
+        let mut neighbours: Option<Vec<Vec<u32>>> = None;
+        // What is put back can only cross what it did not cross a moment ago.
+        let mut asked: Vec<u32> = Vec::new();
+        for round in 0..ROUNDS {
+            let Mesh { vertices, triangles, .. } = &self.mesh;
+            let mut wrong = if round == 0 { self.beyond(before, planes) } else { BTreeSet::new() };
+            for triangle in crossings(vertices, triangles, &asked)?.as_flattened() {
+                wrong.extend(triangles[*triangle as usize]);
+            }
+            wrong.retain(|&vertex| self.has_moved(vertex, before));
+            if wrong.is_empty() {
+                return Ok(());
+            }
+            for _ in 0..round {
+                let neighbours = neighbours.get_or_insert_with(|| self.neighbours());
+                let around = wrong.iter().flat_map(|&vertex| &neighbours[vertex as usize]);
+                let around: Vec<u32> = around.copied().collect();
+                wrong.extend(around);
+            }
+            for &vertex in &wrong {
+                self.mesh.vertices[vertex as usize] = before[vertex as usize];
+            }
+            let is_touched =
+                |triangle: &[u32; 3]| triangle.iter().any(|vertex| wrong.contains(vertex));
+            let touched = self.mesh.triangles.iter().enumerate();
+            asked = touched.filter(|(_, own)| is_touched(own)).map(|(own, _)| own as u32).collect();
+        }
+        self.mesh.vertices = before.to_vec();
+        Ok(())
+    }
+
+    fn has_moved(&self, vertex: u32, before: &[DVec3]) -> bool {
+        self.mesh.vertices[vertex as usize] != before[vertex as usize]
+    }
+
+    /// The vertices that are on another side of a plane than they were.
+    fn beyond(&self, before: &[DVec3], planes: &[Plane]) -> BTreeSet<u32> {
+        let largest = before.iter().fold(0.0, |size: f64, at| size.max(at.abs().max_element()));
+        let near = ON * largest;
+        let planes: Vec<(DVec3, f64)> = planes.iter().map(unit).collect();
+        let side = |&(normal, offset): &(DVec3, f64), point: DVec3| {
+            let distance = normal.dot(point) - offset;
+            if distance.abs() <= near { 0.0 } else { distance.signum() }
+        };
+        (0..before.len() as u32)
+            .into_par_iter()
+            .filter(|&vertex| {
+                let [was, is] = [before, &self.mesh.vertices].map(|all| all[vertex as usize]);
+                was != is && planes.iter().any(|plane| side(plane, was) != side(plane, is))
+            })
+            .collect::<Vec<u32>>()
+            .into_iter()
+            .collect()
+    }
+
+    fn neighbours(&self) -> Vec<Vec<u32>> {
+        let mut neighbours = vec![Vec::new(); self.mesh.vertices.len()];
+        for &[a, b, c] in &self.mesh.triangles {
+            for [one, other] in [[a, b], [b, c], [c, a]] {
+                neighbours[one as usize].push(other);
+                neighbours[other as usize].push(one);
+            }
+        }
+        neighbours
+    }
+}
+
+/// A normal of length one, and the offset.
+fn unit(plane: &Plane) -> (DVec3, f64) {
+    let length = plane.normal.length();
+    (plane.normal / length, plane.offset / length)
+}
+
+/// The pieces of all labels, by the patches around them.
+pub struct Solids {
+    /// For each label and patch the piece that it bounds.
+    pieces: BTreeMap<(Label, u32), u32>,
+    /// What every piece encloses.
+    volumes: Vec<f64>,
+}
+
+impl Solids {
+    pub fn new(network: &Network) -> Self {
+        let mut numbers: BTreeMap<(Label, u32), u32> = BTreeMap::new();
+        for (sides, &patch) in network.mesh.sides.iter().zip(&network.patches) {
+            for &label in sides.iter().filter(|label| label.is_material()) {
+                let next = numbers.len() as u32;
+                numbers.entry((label, patch)).or_insert(next);
+            }
+        }
+        let mut sets = Sets::new(numbers.len());
+        for around in network.edges().iter() {
+            let mut first: BTreeMap<Label, u32> = BTreeMap::new();
+            for side in around {
+                let (triangle, patch) = (side.1 as usize, network.patches[side.1 as usize]);
+                for label in network.mesh.sides[triangle] {
+                    let Some(&own) = numbers.get(&(label, patch)) else { continue };
+                    sets.join(own, *first.entry(label).or_insert(own));
+                }
+            }
+        }
+        let pieces = numbers.into_iter().map(|(key, number)| (key, sets.root(number))).collect();
+        let mut solids = Self { pieces, volumes: Vec::new() };
+        solids.volumes = solids.volumes_in(&network.mesh, &network.patches);
+        solids
+    }
+
+    fn volumes_in(&self, mesh: &Mesh, patches: &[u32]) -> Vec<f64> {
+        let count = self.pieces.values().max().map_or(0, |&last| last as usize + 1);
+        let mut volumes = vec![0.0; count];
+        let base = mesh.vertices.first().copied().unwrap_or_default();
+        for (triangle, (sides, patch)) in mesh.sides.iter().zip(patches).enumerate() {
+            let [a, b, c] = mesh.corners(triangle);
+            let volume = (a - base).dot((b - a).cross(c - a)) / 6.0;
+            for (label, way) in [(sides[0], 1.0), (sides[1], -1.0)] {
+                if let Some(&piece) = self.pieces.get(&(label, *patch)) {
+                    volumes[piece as usize] += way * volume;
+                }
+            }
+        }
+        volumes
+    }
+
+    /// The patches around pieces whose volume changed too much.
+    pub fn spoiled(&self, network: &Network) -> BTreeSet<u32> {
+        let volumes = self.volumes_in(&network.mesh, &network.patches);
+        let is_spoiled = |piece: u32| {
+            let [was, is] = [&self.volumes, &volumes].map(|all| all[piece as usize]);
+            was != 0.0 && !(is / was > SHRUNK && is / was < 1.0 / SHRUNK)
+        };
+        let spoiled = self.pieces.iter().filter(|&(_, &piece)| is_spoiled(piece));
+        spoiled.map(|(&(_, patch), _)| patch).collect()
+    }
+}
