@@ -32,8 +32,8 @@ use crate::variational::variational;
 /// step, in which an interpolated crossing would be lost.
 pub(crate) const CLEARANCE: f64 = 0.02;
 
-/// How long a fair surface's edges are, relative to the box's longest side: on solids that
-/// are known neither .005 nor .01 came nearer.
+/// How long a fair surface's edges are, relative to the box's longest side: with shorter ones
+/// terraces remain after as many steps, with longer ones thin limbs get narrower.
 const FAIR_EDGE: f64 = 0.0065;
 /// Steps of smoothing on each of fairing's levels: with fewer terraces remain, with more
 /// thin limbs get narrower between the sections.

@@ -41,13 +41,17 @@ fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         ["skeleton", ref rest @ ..] => {
-            let minutes = rest.first().and_then(|word| word.parse().ok()).unwrap_or(10.0);
-            let first = rest.get(1).and_then(|word| word.parse().ok());
-            let ways: Vec<Way> = match rest.get(2) {
-                Some(&name) => Way::ALL.into_iter().filter(|way| way.name() == name).collect(),
-                None => Way::ALL.to_vec(),
-            };
-            search(minutes, first, &ways)
+            let minutes = rest.first().map_or(Some(10.0), |word| word.parse().ok());
+            let first = rest.get(1).map(|word| word.parse());
+            let mut ways = Way::ALL.to_vec();
+            ways.retain(|way| rest.get(2).is_none_or(|&name| way.name() == name));
+            match (minutes, first.transpose()) {
+                (Some(minutes), Ok(first)) if !ways.is_empty() => search(minutes, first, &ways),
+                _ => {
+                    println!("skeleton [MINUTES [SEED [skeleton|fair|delaunay]]]");
+                    ExitCode::from(2)
+                }
+            }
         }
         // What cargo's test runner is asked for is meant for tests with names.
         _ if words.iter().any(|word| word.starts_with("--list")) => ExitCode::SUCCESS,

@@ -3,8 +3,9 @@
 //!
 //! What holds: for every label the boundary stays closed, and vertices at the
 //! ends of edges that stay are in the result bit by bit. No triangles come to cross each
-//! other that did not before, none passes through a plane where it did not, and no solid
-//! shrinks to nothing: what would is taken back, vertex by vertex or patch by patch.
+//! other that did not before, no vertex passes through a plane, and no solid shrinks to
+//! nothing: what would is taken back, vertex by vertex or patch by patch. A surface that
+//! passes a plane, as it may where a section is partial, can move along it.
 
 mod guard;
 mod network;
