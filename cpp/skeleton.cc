@@ -203,6 +203,11 @@ CellOutput Skeleton::surface(std::uint32_t cell, bool exact) const {
       {parts_->scene, parts_->cells, *parts_->line_points, *parts_->patches}, cell);
   CellOutput out;
   out.is_left_out = made.is_left_out;
+  out.inexact_parts = static_cast<std::uint32_t>(made.inexact.leaves);
+  out.inexact_volume = made.inexact.volume;
+  if (made.inexact.leaves > 0) {
+    for (double coordinate : made.inexact.at) out.inexact_at.push_back(coordinate);
+  }
   for (const Split& split : made.splits) {
     for (Index point : {split.from, split.to, split.point}) out.splits.push_back(point);
   }

@@ -2,17 +2,12 @@
 //! one piece, and nearly everywhere the label is that of the nearest known point.
 
 use glam::DVec3;
-use transect::change::Change;
-use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
-use transect::method::{self, Method};
-use transect::model::{Model, Options as ModelOptions};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
-use transect::section::{Loop, Overlap, Rules, Section, Sections};
+use transect::section::{Loop, Overlap, Rules, Section};
 use transect::skeleton::{Options, Skeleton, skeleton};
-use transect::stage::Stages;
 
 const BOX: Bounds = Bounds { min: DVec3::splat(-1.5), max: DVec3::splat(1.5) };
 
@@ -54,7 +49,8 @@ fn rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> Vec<[f64; 2]> {
 
 fn reconstruct(sections: &[Section]) -> Skeleton {
     let result = skeleton(sections, BOX, &Options::default(), &Silent).expect("a skeleton");
-    assert!(result.details.left_out.is_empty());
+    assert!(result.details.left_out.is_empty() && result.details.inexact.is_empty());
+    assert_eq!(result.details.exact_share, 1.0);
     result
 }
 
@@ -184,26 +180,43 @@ fn a_patch_guides() {
     body(&reconstruct(&[lower, upper, guide]).mesh, 1);
 }
 
-/// More partial sections than a cell can be divided among: the surface comes from the
-/// grid, and the report says so.
+/// Frames on top of each other, as of a sweep: squares are one body, in the box's middle.
 #[test]
-fn too_many_patches_are_left_to_the_grid() {
-    let patch = |layer: i32| {
-        let height = 0.25 * f64::from(layer);
-        flat(height).section(&[(Label(1), rectangle([-0.5, 0.5], [-0.5, 0.5]))])
+fn ten_frames() {
+    let frame = |layer: i32| {
+        let height = 0.1875 * f64::from(layer) - 0.84375;
+        let square = |half: f64| rectangle([-half, half], [-half, half]);
+        flat(height).section(&[(Label(0), square(0.75)), (Label(1), square(0.5))])
     };
-    let rules = Rules::default();
-    let sections = Sections::new((-3..=3).map(patch).collect(), &rules).expect("sections");
-    let options = ModelOptions {
-        method: Method::Skeleton(method::Skeleton::default()),
-        resolution: Resolution::Voxels(32),
+    let frames: Vec<Section> = (0..10).map(frame).collect();
+    let result = reconstruct(&frames);
+    let volume = body(&result.mesh, 1);
+    // Midway to the box over the outermost frames, straight between them.
+    let height = 2.0 * 0.84375 + (1.5 - 0.84375);
+    assert!((volume - height).abs() < 0.02 * height, "{volume}");
+}
+
+/// Triangles around a line that meet in one point: too many are equally near there, so a
+/// small part around it is not exact. All is closed, and the report says where.
+#[test]
+fn too_many_patches_in_a_point() {
+    let blade = |number: u32| {
+        let angle = std::f64::consts::PI * f64::from(number) / 13.0;
+        let across = DVec3::new(angle.cos(), angle.sin(), 0.0);
+        let frame = Frame { origin: DVec3::ZERO, across, along: DVec3::Z };
+        let corners = vec![[0.0, 0.0], [0.75, -0.25], [0.75, 0.5]];
+        frame.section(&[(Label(1 + number % 2), corners)])
     };
-    let mut model = Model::new(options);
-    model.apply(Change::Add(sections), &rules, &mut Stages::default(), &Silent).expect("a model");
-    let derived = model.derived().expect("something was derived");
-    let details = derived.exact.as_ref().expect("details");
-    assert_eq!(details.left_out, [0]);
-    let facts = derived.mesh.surface(Label(1)).facts(false).expect("facts");
-    assert!(facts.closed && facts.outward);
-    assert_eq!((facts.components, facts.genus), (1, 0));
+    let blades: Vec<Section> = (0..13).map(blade).collect();
+    let result = skeleton(&blades, BOX, &Options::default(), &Silent).expect("a skeleton");
+    let details = &result.details;
+    assert!(details.left_out.is_empty());
+    assert_eq!(details.inexact.len(), 1, "{details:?}");
+    assert_eq!(details.inexact[0].cell, 0);
+    assert!(DVec3::from_array(details.inexact[0].at).length() < 0.1);
+    assert!(details.exact_share > 0.999 && details.exact_share < 1.0, "{}", details.exact_share);
+    for label in [1, 2] {
+        let facts = result.mesh.surface(Label(label)).facts(false).expect("facts");
+        assert!(facts.closed && facts.outward, "{facts:?}");
+    }
 }

@@ -1,5 +1,5 @@
-// A cell is divided among the sites in it (territory.h), and every region has labels
-// (labels.h). Surfaces are then
+// A cell is divided into leaves (leaves.h), each of them among the sites that may be nearest
+// in it (territory.h), and every region has labels (labels.h). Surfaces are then
 //
 //   walls   within a region, where its labels change
 //   roofs   between two regions whose labels differ
@@ -10,6 +10,9 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <memory>
+#include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "transect/cpp/skeleton/labels.h"
@@ -18,36 +21,57 @@
 namespace transect::skeleton {
 namespace partial {
 namespace {
-
 CGAL::Bbox_3 bounds(const Polygon& polygon) {
   CGAL::Bbox_3 box;
   for (const Point& corner : polygon) box += corner.bbox();
   return box;
 }
 
-// A facet of a region, as a part of its plane.
+// A leaf's regions and their labels.
+struct Parts {
+  Bisectors bisectors;
+  std::deque<Region> regions;
+  std::deque<std::shared_ptr<RegionLabels>> labels;
+  bool is_exact;
+};
+
+// A facet of a region.
 struct Front {
+  const Parts* parts;
   Index region;
-  Polygon polygon;
-  CGAL::Bbox_3 box;
+  const Facet* facet;
+
+  const Region& whole() const { return parts->regions[region]; }
+  const std::shared_ptr<RegionLabels>& labels() const { return parts->labels[region]; }
+};
+
+// Facets in one plane: of regions behind it and before it.
+struct Fronts {
+  std::vector<Front> behind, before;
 };
 
 // All surfaces of a cell, plane by plane.
 class Surfaces {
  public:
-  explicit Surfaces(const PartialCell& cell)
+  // Leaves are cut at this part of their lengths.
+  Surfaces(const PartialCell& cell, double cut_at)
       : cell_(cell),
         body_(body(cell, halfspaces_)),
         sites_(sites(cell, gauge(cell))),
-        territory_(body_, sites_) {
-    for (const Region& region : territory_.regions()) {
-      labels_.emplace_back(region, sites_[region.owner.site]);
+        distances_(sites_),
+        leaves_(body_, distances_, cut_at) {
+    for (const Leaf& leaf : leaves_.mixed()) {
+      if (!leaf.is_exact) inexact_.push_back(leaf.box);
     }
+    for (const Halfspace& cut : leaves_.cuts()) cuts_.insert(names_.name(cut.plane()).plane);
+    for (const Leaf& leaf : leaves_.mixed()) add_leaf(leaf);
+    if (!inexact_.empty()) add_roofs_between_leaves();
   }
 
+  // Whether no surface lies in the planes between leaves, where none is looked for.
+  bool is_apart() const { return is_apart_; }
+
   PartialSurface result() {
-    add_walls();
-    add_roofs();
     PointNames names(cell_.points);
     std::map<Index, std::vector<Seam>> seams_of;
     for (const auto& [plane, tiles] : tiles_) {
@@ -65,6 +89,7 @@ class Surfaces {
     add_splits(index, names, surface);
     const std::vector<Point>& points = names.points();
     surface.added.assign(points.begin() + cell_.points.size(), points.end());
+    surface.inexact = inexact();
     return surface;
   }
 
@@ -82,51 +107,109 @@ class Surfaces {
     }
   }
 
-  void add_walls() {
-    for (const RegionLabels& labels : labels_) {
-      for (const Change& change : labels.changes()) {
-        const Polygon& p = change.polygon;
-        const PlaneNames::Name name = names_.name(Kernel::Plane_3(p[0], p[1], p[2]));
-        const Index from = labels.plane();
-        const Sides sides{change.back, change.front, Kind::wall, {from, from}};
-        const Sides seen = name.flipped ? sides.flipped() : sides;
-        Polygon polygon = p;
-        if (name.flipped) std::reverse(polygon.begin(), polygon.end());
-        tiles_[name.plane].push_back({polygon, {}, [seen](const Point&) { return seen; }});
+  PartialSurface::Inexact inexact() const {
+    PartialSurface::Inexact result;
+    for (const Leaf& leaf : leaves_.mixed()) {
+      if (leaf.is_exact) continue;
+      const double volume = leaf.body.volume();
+      ++result.leaves;
+      result.volume += volume;
+      if (volume <= result.largest) continue;
+      result.largest = volume;
+      const Place middle = rough_place(leaf.body.centre());
+      std::copy(middle.begin(), middle.end(), result.at);
+    }
+    return result;
+  }
+
+  bool is_beside_inexact(const Leaf& leaf) const {
+    return std::any_of(inexact_.begin(), inexact_.end(),
+                       [&](const CGAL::Bbox_3& box) { return CGAL::do_overlap(box, leaf.box); });
+  }
+
+  void add_leaf(const Leaf& leaf) {
+    auto parts = std::make_unique<Parts>(Parts{Bisectors(distances_), {}, {}, leaf.is_exact});
+    Territory territory(leaf, distances_, parts->bisectors);
+    for (Region& region : territory.regions()) {
+      parts->regions.push_back(std::move(region));
+      parts->labels.push_back(std::make_shared<RegionLabels>(parts->regions.back(), distances_));
+      for (const Halfspace* plane : parts->labels.back()->changes_along()) {
+        is_apart_ = is_apart_ && cuts_.count(name_of(plane).plane) == 0;
       }
+    }
+    for (const auto& labels : parts->labels) add_walls(*labels);
+    std::map<Index, Fronts> fronts;
+    add_fronts(*parts, false, fronts);
+    for (const auto& [plane, sides] : fronts) {
+      for (const Front& back : sides.behind) {
+        for (const Front& front : sides.before) add_roof(plane, back, front);
+      }
+    }
+    for (const auto& labels : parts->labels) labels->leave_region();
+    name_of_.clear();
+    if (is_beside_inexact(leaf)) beside_inexact_.push_back(std::move(parts));
+  }
+
+  void add_walls(const RegionLabels& labels) {
+    for (const Change& change : labels.changes()) {
+      const Polygon& p = change.polygon;
+      const PlaneNames::Name name = names_.name(Kernel::Plane_3(p[0], p[1], p[2]));
+      const Index from = labels.plane();
+      const Sides sides{change.back, change.front, Kind::wall, {from, from}};
+      const Sides seen = name.flipped ? sides.flipped() : sides;
+      Polygon polygon = p;
+      if (name.flipped) std::reverse(polygon.begin(), polygon.end());
+      tiles_[name.plane].push_back({polygon, {}, [seen](const Point&) { return seen; }});
     }
   }
 
-  void add_roofs() {
-    // Facets by planes, of regions behind the plane and before it.
-    std::map<Index, std::pair<std::vector<Front>, std::vector<Front>>> fronts;
-    const std::vector<Region>& regions = territory_.regions();
-    for (Index i = 0; i < regions.size(); ++i) {
-      for (const Facet& facet : regions[i].body.facets) {
-        const PlaneNames::Name name = name_of(facet.plane);
-        auto& [behind, before] = fronts[name.plane];
-        const Polygon polygon = regions[i].body.polygon(facet);
-        (name.flipped ? before : behind).push_back({i, polygon, bounds(polygon)});
-      }
+  // Where leaves meet of which one is not exact.
+  void add_roofs_between_leaves() {
+    for (Leaf& leaf : leaves_.uniform_beside_inexact()) {
+      const Index plane = sites_[leaf.candidates.front().site].face->plane;
+      auto parts = std::make_unique<Parts>(Parts{Bisectors(distances_), {}, {}, true});
+      parts->regions.push_back({{none, none}, std::move(leaf.body)});
+      parts->labels.push_back(std::make_shared<RegionLabels>(*leaf.label, plane));
+      beside_inexact_.push_back(std::move(parts));
     }
+    std::map<Index, Fronts> fronts;
+    for (const auto& parts : beside_inexact_) add_fronts(*parts, true, fronts);
     for (const auto& [plane, sides] : fronts) {
-      for (const Front& back : sides.first) {
-        for (const Front& front : sides.second) {
-          if (CGAL::do_overlap(back.box, front.box)) add_roof(plane, back, front);
+      for (const Front& back : sides.behind) {
+        for (const Front& front : sides.before) {
+          if (!back.parts->is_exact || !front.parts->is_exact) add_roof(plane, back, front);
         }
       }
     }
   }
 
+  // The facets of regions that lie between leaves, or the others.
+  void add_fronts(const Parts& parts, bool on_cuts, std::map<Index, Fronts>& fronts) {
+    for (Index region = 0; region < parts.regions.size(); ++region) {
+      for (const Facet& facet : parts.regions[region].body.facets) {
+        const PlaneNames::Name name = name_of(facet.plane);
+        const bool on_cut = cuts_.count(name.plane) != 0;
+        is_apart_ = is_apart_ && (!on_cut || leaves_.is_cut(facet.plane));
+        if (on_cut != on_cuts) continue;
+        auto& [behind, before] = fronts[name.plane];
+        (name.flipped ? before : behind).push_back({&parts, region, &facet});
+      }
+    }
+  }
+
   void add_roof(Index plane, const Front& back, const Front& front) {
-    Tile tile{back.polygon, {}, {}};
-    if (!keep_within(tile.polygon, plane, front.region)) return;
-    add_lines(tile, plane, back.region, front.region);
-    add_lines(tile, plane, front.region, back.region);
-    const RegionLabels &behind = labels_[back.region], &before = labels_[front.region];
-    tile.sides = [&behind, &before](const Point& point) {
+    const std::shared_ptr<RegionLabels>&behind = back.labels(), &before = front.labels();
+    if (behind->only() && behind->only() == before->only()) return;
+    Tile tile{back.whole().body.polygon(*back.facet), {}, {}};
+    if (!CGAL::do_overlap(bounds(tile.polygon), bounds(front.whole().body.polygon(*front.facet))) ||
+        !keep_within(tile.polygon, plane, front)) {
+      return;
+    }
+    add_lines(tile, plane, back, front);
+    add_lines(tile, plane, front, back);
+    tile.sides = [behind, before](const Point& point) {
       return Sides{
-          behind.at(point), before.at(point), Kind::roof, {behind.plane(), before.plane()}};
+          behind->at(point), before->at(point), Kind::roof, {behind->plane(), before->plane()}};
     };
     if (tile.lines.empty()) {
       const Sides all =
@@ -138,17 +221,17 @@ class Surfaces {
   }
 
   // Clips what lies in the plane of one of the region's facets to that facet.
-  bool keep_within(Polygon& polygon, Index plane, Index region) {
-    for (const Facet& facet : territory_.regions()[region].body.facets) {
-      if (name_of(facet.plane).plane != plane && !clip(polygon, *facet.plane)) return false;
+  bool keep_within(Polygon& polygon, Index plane, const Front& front) {
+    for (const Facet& facet : front.whole().body.facets) {
+      if (name_of(facet.plane).plane != plane && !clip(polygon, facet.plane->plane())) return false;
     }
     return true;
   }
 
   // Where changes of labels within the region end on the plane.
-  void add_lines(Tile& tile, Index plane, Index region, Index other) {
+  void add_lines(Tile& tile, Index plane, const Front& own, const Front& other) {
     const CGAL::Bbox_3 box = bounds(tile.polygon);
-    for (const Change& change : labels_[region].changes()) {
+    for (const Change& change : own.labels()->changes()) {
       Polygon line;
       for (std::size_t i = 0; i < change.polygon.size(); ++i) {
         const Point& corner = change.polygon[i];
@@ -162,25 +245,34 @@ class Surfaces {
   PlaneNames::Name name_of(const Halfspace* plane) {
     const auto at = name_of_.find(plane);
     if (at != name_of_.end()) return at->second;
-    return name_of_[plane] = names_.name(*plane);
+    return name_of_[plane] = names_.name(plane->plane());
   }
 
   const PartialCell& cell_;
   std::vector<Halfspace> halfspaces_;
   Polytope body_;
   std::vector<Site> sites_;
-  Territory territory_;
-  std::deque<RegionLabels> labels_;
+  Distances distances_;
+  Leaves leaves_;
+  std::vector<CGAL::Bbox_3> inexact_;  // leaves
+  std::vector<std::unique_ptr<Parts>> beside_inexact_;
   PlaneNames names_;
-  std::map<const Halfspace*, PlaneNames::Name> name_of_;
+  std::map<const Halfspace*, PlaneNames::Name> name_of_;  // within a leaf
+  std::set<Index> cuts_;
+  bool is_apart_ = true;
   std::map<Index, std::vector<Tile>> tiles_;
 };
 
 }  // namespace
 }  // namespace partial
 
-std::size_t partial_sites(const PartialCell& cell) { return partial::count_sites(cell); }
-
-PartialSurface partial_surface(const PartialCell& cell) { return partial::Surfaces(cell).result(); }
+PartialSurface partial_surface(const PartialCell& cell) {
+  // Where surfaces happen to lie in planes between leaves, others are tried.
+  for (const double cut_at : {0.5087, 0.4931, 0.5173}) {
+    partial::Surfaces surfaces(cell, cut_at);
+    if (surfaces.is_apart()) return surfaces.result();
+  }
+  throw std::runtime_error("surfaces lie in all planes that divide a cell");
+}
 
 }  // namespace transect::skeleton

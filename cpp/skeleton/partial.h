@@ -40,10 +40,16 @@ struct PartialSurface {
     Index wall, piece, point;
   };
   std::vector<Split> splits;
+  // What is not exact (leaves.h): how many leaves, their volume, and the middle of the
+  // largest one.
+  struct Inexact {
+    std::size_t leaves = 0;
+    double volume = 0;
+    double largest = 0;
+    double at[3] = {0, 0, 0};
+  };
+  Inexact inexact;
 };
-
-// How many convex sites the known parts of the patches make.
-std::size_t partial_sites(const PartialCell& cell);
 
 PartialSurface partial_surface(const PartialCell& cell);
 

@@ -291,7 +291,8 @@ std::vector<std::vector<Point>> PlanarMap::known() const {
   return polygons;
 }
 
-PlanarMap::Along PlanarMap::along(const Point& from, const Point& to, const Vector& way) const {
+// The points on an edge, from end to end.
+std::vector<Point> PlanarMap::stops(const Point& from, const Point& to) const {
   std::vector<Point> stops{from, to};
   const Kernel::Segment_2 edge(chart_.down(from), chart_.down(to));
   for (auto vertex : labels_.finite_vertex_handles()) {
@@ -304,6 +305,28 @@ PlanarMap::Along PlanarMap::along(const Point& from, const Point& to, const Vect
   std::sort(stops.begin(), stops.end(), [&](const Point& a, const Point& b) {
     return length * (a - from) < length * (b - from);
   });
+  return stops;
+}
+
+bool PlanarMap::is_inner(const Point& from, const Point& to) const {
+  const std::vector<Point> stops = this->stops(from, to);
+  for (std::size_t i = 0; i + 1 < stops.size(); ++i) {
+    Labels::Locate_type type;
+    int index;
+    const auto face =
+        labels_.locate(chart_.down(CGAL::midpoint(stops[i], stops[i + 1])), type, index);
+    if (type == Labels::FACE) continue;
+    const auto other = face->neighbor(index);
+    if (labels_.is_infinite(face) || labels_.is_infinite(other) || face->info() == unknown ||
+        other->info() == unknown) {
+      return false;
+    }
+  }
+  return true;
+}
+
+PlanarMap::Along PlanarMap::along(const Point& from, const Point& to, const Vector& way) const {
+  const std::vector<Point> stops = this->stops(from, to);
   Along along;
   for (std::size_t i = 0; i + 1 < stops.size(); ++i) {
     const Label label = at(CGAL::midpoint(stops[i], stops[i + 1]), way);

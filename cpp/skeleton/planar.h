@@ -68,10 +68,13 @@ class PlanarMap {
   };
   // The way leads from the edge into the polygon.
   Along along(const Point& from, const Point& to, const Vector& way) const;
+  // Whether all is known on both sides of an edge of a known polygon.
+  bool is_inner(const Point& from, const Point& to) const;
 
  private:
   using Labels = Triangulation<Index, Label>;
 
+  std::vector<Point> stops(const Point& from, const Point& to) const;
   void paint(const std::vector<Point>& points, const std::vector<Piece>& pieces, Label label);
   void flood();
   Labels known_outlines() const;

@@ -48,21 +48,67 @@ struct Product {
       : above(a.above * b.below + b.above * a.below), below(a.below * b.below) {}
 };
 
-int exact_side(const Halfspace& plane, const Point& p) {
+int exact_side(const Kernel::Plane_3& plane, const Point& p) {
   const Product one(Product(plane.a(), p.x()), Product(plane.b(), p.y()));
   const Product two(Product(plane.c(), p.z()), Product(plane.d(), 1));
   return CGAL::sign(Integer(one.above * two.below + two.above * one.below));
 }
 
-std::vector<int> signs(const std::vector<Point>& points, const Halfspace& plane) {
+std::vector<int> signs(const std::vector<Point>& points, const Kernel::Plane_3& plane) {
   std::vector<int> result;
   result.reserve(points.size());
   for (const Point& point : points) result.push_back(side(plane, point));
   return result;
 }
 
-Number value(const Halfspace& plane, const Point& p) {
+Number value(const Kernel::Plane_3& plane, const Point& p) {
   return plane.a() * p.x() + plane.b() * p.y() + plane.c() * p.z() + plane.d();
+}
+
+// Where the segment from a to b crosses the plane, which separates its ends.
+Point crossing(const Kernel::Plane_3& plane, const Point& a, const Point& b) {
+  const Number at_a = value(plane, a), at_b = value(plane, b);
+  const Point point = a + (b - a) * (at_a / (at_a - at_b));
+  CGAL::exact(point);  // keeps the tree of pending operations flat
+  return point;
+}
+
+// The kernel's integers are GMP's, by one name or another.
+template <class T>
+auto raw(const T& integer, int) -> decltype(integer.backend().data()) {
+  return integer.backend().data();
+}
+template <class T>
+auto raw(const T& integer, long) -> decltype(integer.mpz()) {
+  return integer.mpz();
+}
+
+// The numerators over a common denominator, which comes last.
+template <std::size_t N>
+std::array<mpz_class, N + 1> common(const std::array<Number, N>& numbers) {
+  std::array<mpz_class, N + 1> result;
+  std::array<mpz_class, N> below;
+  result[N] = 1;
+  for (std::size_t i = 0; i < N; ++i) {
+    Integer numerator, denominator;
+    Parts::Decompose()(CGAL::exact(numbers[i]), numerator, denominator);
+    result[i] = mpz_class(raw(numerator, 0));
+    below[i] = mpz_class(raw(denominator, 0));
+    result[N] = lcm(result[N], below[i]);
+  }
+  for (std::size_t i = 0; i < N; ++i) result[i] *= result[N] / below[i];
+  return result;
+}
+
+Number ratio(const mpz_class& above, const mpz_class& below) {
+  return Number(Parts::Compose()(Integer(above.get_mpz_t()), Integer(below.get_mpz_t())));
+}
+
+double rounded_ratio(const mpz_class& above, const mpz_class& below) {
+  long a, b;
+  const double numerator = mpz_get_d_2exp(&a, above.get_mpz_t());
+  const double denominator = mpz_get_d_2exp(&b, below.get_mpz_t());
+  return std::ldexp(numerator / denominator, static_cast<int>(a - b));
 }
 
 // Cuts the facets of one polytope and closes the cut with a new facet.
@@ -94,7 +140,7 @@ class Cut {
         on.push_back(signs_[a] == 0);
       }
       if (signs_[a] * signs_[b] < 0) {
-        kept.loop.push_back(cut(a, b));
+        kept.loop.push_back(cut(a, b, facet));
         on.push_back(true);
       }
     }
@@ -107,26 +153,33 @@ class Cut {
   }
 
   Index moved(Index old) {
-    if (moved_[old] == none) moved_[old] = keep(whole_.points[old]);
+    if (moved_[old] == none) {
+      moved_[old] = static_cast<Index>(part_.corners.size());
+      part_.corners.push_back(whole_.corners[old]);
+    }
     return moved_[old];
   }
 
-  Index cut(Index a, Index b) {
-    const auto [at, fresh] = cuts_.try_emplace(std::minmax(a, b), none);
-    if (fresh) at->second = keep(crossing(plane_, whole_.points[a], whole_.points[b]));
-    return at->second;
-  }
-
-  Index keep(const Point& point) {
-    part_.points.push_back(point);
-    return static_cast<Index>(part_.points.size() - 1);
+  // An edge is met twice, from both of its facets.
+  Index cut(Index a, Index b, const Facet& facet) {
+    const auto [at, fresh] = cuts_.try_emplace(std::minmax(a, b));
+    auto& [corner, first] = at->second;
+    if (fresh) {
+      corner = static_cast<Index>(part_.corners.size());
+      first = facet.plane;
+      part_.corners.emplace_back();
+    } else {
+      part_.corners[corner] =
+          std::make_shared<Corner>(Halfspace::meeting(*first, *facet.plane, plane_));
+    }
+    return corner;
   }
 
   const Polytope& whole_;
   const Halfspace& plane_;
   std::vector<int> signs_;
   std::vector<Index> moved_;
-  std::map<std::pair<Index, Index>, Index> cuts_;
+  std::map<std::pair<Index, Index>, std::pair<Index, const Halfspace*>> cuts_;
   // The cap's edges are the facets' edges on the plane, the other way round.
   std::map<Index, Index> next_on_cap_;
   Polytope part_;
@@ -134,7 +187,104 @@ class Cut {
 
 }  // namespace
 
-int side(const Halfspace& plane, const Point& point) {
+Corner::Corner(mpz_class x, mpz_class y, mpz_class z, mpz_class w)
+    : x_(std::move(x)), y_(std::move(y)), z_(std::move(z)), w_(std::move(w)) {
+  if (w_ < 0) {
+    for (mpz_class* number : {&x_, &y_, &z_, &w_}) *number = -*number;
+  }
+  rough_ = {rounded_ratio(x_, w_), rounded_ratio(y_, w_), rounded_ratio(z_, w_)};
+}
+
+Corner::Corner(const Point& point) : point_(point) {
+  auto whole = common<3>({point.x(), point.y(), point.z()});
+  x_ = std::move(whole[0]);
+  y_ = std::move(whole[1]);
+  z_ = std::move(whole[2]);
+  w_ = std::move(whole[3]);
+  rough_ = rough_place(point);  // exact by now
+}
+
+const Point& Corner::point() const {
+  if (!point_) point_ = Point(ratio(x_, w_), ratio(y_, w_), ratio(z_, w_));
+  return *point_;
+}
+
+WholeLinear::WholeLinear(const Vector& u, const Number& c) {
+  auto all = common<4>({u.x(), u.y(), u.z(), c});
+  for (int i = 0; i < 3; ++i) this->u[i] = std::move(all[i]);
+  this->c = std::move(all[3]);
+  below = std::move(all[4]);
+}
+
+Halfspace::Halfspace(const WholeLinear& less, const WholeLinear& more)
+    : whole_(std::make_shared<Whole>(
+          std::array<mpz_class, 4>{less.u[0] * more.below - more.u[0] * less.below,
+                                   less.u[1] * more.below - more.u[1] * less.below,
+                                   less.u[2] * more.below - more.u[2] * less.below,
+                                   more.c * less.below - less.c * more.below})) {}
+
+const Kernel::Plane_3& Halfspace::plane() const {
+  if (!plane_) {
+    const auto& [a, b, c, d, rough] = *whole_;
+    plane_ = Kernel::Plane_3(ratio(a, 1), ratio(b, 1), ratio(c, 1), ratio(d, 1));
+  }
+  return *plane_;
+}
+
+Halfspace::Whole::Whole(std::array<mpz_class, 4> all) {
+  mpz_class factor = gcd(gcd(all[0], all[1]), gcd(all[2], all[3]));
+  if (factor == 0) factor = 1;  // all are 0 where distances are equal everywhere
+  mpz_class* to[4] = {&a, &b, &c, &d};
+  double mantissas[4];
+  long exponents[4], largest = 0;
+  for (int i = 0; i < 4; ++i) {
+    *to[i] = all[i] / factor;
+    mantissas[i] = mpz_get_d_2exp(&exponents[i], to[i]->get_mpz_t());
+    if (i < 3) largest = std::max(largest, exponents[i]);
+  }
+  for (int i = 0; i < 4; ++i) {
+    rough[i] = std::ldexp(mantissas[i], static_cast<int>(exponents[i] - largest));
+  }
+}
+
+const Halfspace::Whole& Halfspace::whole() const {
+  if (!whole_) {
+    const Kernel::Plane_3& plane = *plane_;
+    const auto all = common<4>({plane.a(), plane.b(), plane.c(), plane.d()});
+    whole_ = std::make_shared<Whole>(std::array<mpz_class, 4>{all[0], all[1], all[2], all[3]});
+  }
+  return *whole_;
+}
+
+int Halfspace::side(const Corner& corner) const {
+  const auto& [a, b, c, d, rough] = whole();
+  const auto& [x, y, z] = corner.rough_;
+  const double along[3] = {rough[0] * x, rough[1] * y, rough[2] * z};
+  const double value = along[0] + along[1] + along[2] + rough[3];
+  // Coefficients and coordinates are rounded by less than 2^-51, products and sums by 2^-53.
+  const double error =
+      4e-15 * (std::abs(along[0]) + std::abs(along[1]) + std::abs(along[2]) + std::abs(rough[3])) +
+      1e-290;
+  if (std::abs(value) > error) return value > 0 ? 1 : -1;
+  return sgn(mpz_class(a * corner.x_ + b * corner.y_ + c * corner.z_ + d * corner.w_));
+}
+
+Corner Halfspace::meeting(const Halfspace& p, const Halfspace& q, const Halfspace& r) {
+  const Whole &one = p.whole(), &two = q.whole(), &three = r.whole();
+  const mpz_class x = two.b * three.c - two.c * three.b;
+  const mpz_class y = two.c * three.a - two.a * three.c;
+  const mpz_class z = two.a * three.b - two.b * three.a;
+  // Two planes' normals and offsets by the third's.
+  const mpz_class along_a = three.a * two.d - two.a * three.d;
+  const mpz_class along_b = three.b * two.d - two.b * three.d;
+  const mpz_class along_c = three.c * two.d - two.c * three.d;
+  return {mpz_class(one.b * along_c - one.c * along_b - one.d * x),
+          mpz_class(one.c * along_a - one.a * along_c - one.d * y),
+          mpz_class(one.a * along_b - one.b * along_a - one.d * z),
+          mpz_class(one.a * x + one.b * y + one.c * z)};
+}
+
+int side(const Kernel::Plane_3& plane, const Point& point) {
   Near sum = Near(plane.a()) * Near(point.x());
   sum = sum + Near(plane.b()) * Near(point.y());
   sum = sum + Near(plane.c()) * Near(point.z());
@@ -143,14 +293,7 @@ int side(const Halfspace& plane, const Point& point) {
   return exact_side(plane, point);
 }
 
-Point crossing(const Halfspace& plane, const Point& a, const Point& b) {
-  const Number at_a = value(plane, a), at_b = value(plane, b);
-  const Point point = a + (b - a) * (at_a / (at_a - at_b));
-  CGAL::exact(point);  // keeps the tree of pending operations flat
-  return point;
-}
-
-bool clip(Polygon& polygon, const Halfspace& plane) {
+bool clip(Polygon& polygon, const Kernel::Plane_3& plane) {
   const std::vector<int> side = signs(polygon, plane);
   const auto behind = [](int sign) { return sign < 0; };
   const auto front = [](int sign) { return sign > 0; };
@@ -170,8 +313,8 @@ bool clip(Polygon& polygon, const Halfspace& plane) {
 
 Polytope::Sides Polytope::sides(const Halfspace& plane) const {
   Sides sides{false, false};
-  for (const Point& point : points) {
-    const int sign = side(plane, point);
+  for (const auto& corner : corners) {
+    const int sign = plane.side(*corner);
     sides.behind |= sign < 0;
     sides.front |= sign > 0;
     if (sides.behind && sides.front) break;
@@ -180,7 +323,9 @@ Polytope::Sides Polytope::sides(const Halfspace& plane) const {
 }
 
 bool Polytope::clip(const Halfspace& plane) {
-  std::vector<int> side = signs(points, plane);
+  std::vector<int> side;
+  side.reserve(corners.size());
+  for (const auto& corner : corners) side.push_back(plane.side(*corner));
   const auto [low, high] = std::minmax_element(side.begin(), side.end());
   if (*low >= 0) return false;
   if (*high > 0) *this = Cut(*this, plane, std::move(side)).result();
@@ -188,15 +333,45 @@ bool Polytope::clip(const Halfspace& plane) {
 }
 
 Polygon Polytope::polygon(const Facet& facet) const {
-  Polygon corners;
-  for (Index corner : facet.loop) corners.push_back(points[corner]);
-  return corners;
+  Polygon polygon;
+  for (Index corner : facet.loop) polygon.push_back(corners[corner]->point());
+  return polygon;
+}
+
+std::vector<Place> Polytope::places() const {
+  std::vector<Place> places;
+  for (const auto& corner : corners) places.push_back(corner->rough());
+  return places;
 }
 
 Point Polytope::centre() const {
   Vector sum = CGAL::NULL_VECTOR;
-  for (const Point& point : points) sum += point - CGAL::ORIGIN;
-  return CGAL::ORIGIN + sum / Number(static_cast<int>(points.size()));
+  for (const auto& corner : corners) sum += corner->point() - CGAL::ORIGIN;
+  return CGAL::ORIGIN + sum / Number(static_cast<int>(corners.size()));
+}
+
+double Polytope::volume() const {
+  const Place& o = corners[0]->rough();
+  const auto from_first = [&](Index index) {
+    const Place& p = corners[index]->rough();
+    return Place{p[0] - o[0], p[1] - o[1], p[2] - o[2]};
+  };
+  double sum = 0;
+  for (const Facet& facet : facets) {
+    for (std::size_t i = 2; i < facet.loop.size(); ++i) {
+      const Place a = from_first(facet.loop[0]), b = from_first(facet.loop[i - 1]),
+                  c = from_first(facet.loop[i]);
+      sum += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+             a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+  }
+  return sum / 6;
+}
+
+CGAL::Bbox_3 bounds(const std::vector<Place>& places) {
+  CGAL::Bbox_3 box;
+  for (const Place& at : places) box += {at[0], at[1], at[2], at[0], at[1], at[2]};
+  return box;
 }
 
 }  // namespace transect::skeleton::partial

@@ -1,22 +1,84 @@
 // Convex polygons and polytopes, clipped by planes. All of it is exact.
+//
+// A partition makes many polytopes and throws most of them away. Their corners are where
+// three planes meet, by whole numbers with a common denominator: nothing is reduced, and
+// nothing grows from cut to cut.
 #pragma once
+
+#include <gmpxx.h>
+
+#include <array>
+#include <memory>
+#include <optional>
 
 #include "transect/cpp/skeleton/exact.h"
 
 namespace transect::skeleton::partial {
 
-using Halfspace = Kernel::Plane_3;  // what is on the negative side, or on the plane
+using Place = std::array<double, 3>;
 using Polygon = std::vector<Point>;
 
-// Negative behind the plane, 0 on it. Exact as the kernel's own, but without reducing
-// fractions, since corners of polytopes are on planes all the time.
-int side(const Halfspace& plane, const Point& point);
+inline Place rough_place(const Point& point) {
+  return {CGAL::to_double(point.x()), CGAL::to_double(point.y()), CGAL::to_double(point.z())};
+}
 
-// Where the segment from a to b crosses the plane, which separates its ends.
-Point crossing(const Halfspace& plane, const Point& a, const Point& b);
+// (x/w, y/w, z/w), w > 0.
+class Corner {
+ public:
+  Corner(mpz_class x, mpz_class y, mpz_class z, mpz_class w);
+  explicit Corner(const Point& point);
+
+  const Place& rough() const { return rough_; }  // rounded
+  const Point& point() const;
+
+ private:
+  friend class Halfspace;
+  mpz_class x_, y_, z_, w_;
+  Place rough_;
+  mutable std::optional<Point> point_;
+};
+
+// u·x − c in whole numbers over a common denominator.
+struct WholeLinear {
+  mpz_class u[3], c, below;
+
+  WholeLinear(const Vector& u, const Number& c);
+};
+
+// What is on the negative side of a plane, or on it. Not for several threads at once.
+class Halfspace {
+ public:
+  Halfspace(const Kernel::Plane_3& plane) : plane_(plane) {}
+  // Where one is less than the other.
+  Halfspace(const WholeLinear& less, const WholeLinear& more);
+
+  const Kernel::Plane_3& plane() const;
+  // Negative behind the plane, 0 on it.
+  int side(const Corner& corner) const;
+  // Where three planes meet that meet in one point.
+  static Corner meeting(const Halfspace& p, const Halfspace& q, const Halfspace& r);
+
+ private:
+  // a x + b y + c z + d in whole numbers, and rounded by a common factor.
+  struct Whole {
+    mpz_class a, b, c, d;
+    double rough[4];
+
+    explicit Whole(std::array<mpz_class, 4> all);
+  };
+  const Whole& whole() const;
+
+  // At least one is there.
+  mutable std::optional<Kernel::Plane_3> plane_;
+  mutable std::shared_ptr<const Whole> whole_;
+};
+
+// Exact as the kernel's own, but without reducing fractions, since corners of polygons are
+// on planes all the time.
+int side(const Kernel::Plane_3& plane, const Point& point);
 
 // Clips a polygon or a segment; false if nothing but a part of the border is left.
-bool clip(Polygon& polygon, const Halfspace& plane);
+bool clip(Polygon& polygon, const Kernel::Plane_3& plane);
 
 struct Facet {
   const Halfspace* plane;   // the polytope is behind it
@@ -24,7 +86,7 @@ struct Facet {
 };
 
 struct Polytope {
-  std::vector<Point> points;
+  std::vector<std::shared_ptr<const Corner>> corners;
   std::vector<Facet> facets;
 
   struct Sides {
@@ -34,7 +96,11 @@ struct Polytope {
   // False if nothing is left. The plane must outlive the polytope.
   bool clip(const Halfspace& plane);
   Polygon polygon(const Facet& facet) const;
+  std::vector<Place> places() const;
   Point centre() const;
+  double volume() const;  // rounded
 };
+
+CGAL::Bbox_3 bounds(const std::vector<Place>& places);
 
 }  // namespace transect::skeleton::partial

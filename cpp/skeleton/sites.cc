@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -18,7 +19,7 @@ std::vector<Point> corners(const PartialCell& cell, const CellPlane& wall) {
 Halfspace beyond(const PartialCell& cell, const CellPlane& wall) {
   const Plane& plane = (*cell.planes)[wall.plane];
   const Vector out = plane.normal * Number(-wall.side);
-  return Halfspace(out.x(), out.y(), out.z(), plane.offset * wall.side);
+  return Kernel::Plane_3(out.x(), out.y(), out.z(), plane.offset * wall.side);
 }
 
 // The part of a plane within the cell, counter-clockwise about the plane's normal.
@@ -26,7 +27,8 @@ std::vector<Point> border(const PartialCell& cell, const CellPlane& patch) {
   std::vector<Halfspace> halfspaces;
   Polytope inside = body(cell, halfspaces);
   const Plane& plane = (*cell.planes)[patch.plane];
-  const Halfspace behind(plane.normal.x(), plane.normal.y(), plane.normal.z(), -plane.offset);
+  const Halfspace behind(
+      Kernel::Plane_3(plane.normal.x(), plane.normal.y(), plane.normal.z(), -plane.offset));
   const Polytope::Sides sides = inside.sides(behind);
   if (!sides.behind || !sides.front) {
     throw std::invalid_argument("a partial section does not cut its cell");
@@ -38,13 +40,98 @@ std::vector<Point> border(const PartialCell& cell, const CellPlane& patch) {
 std::shared_ptr<const Face> face(const PartialCell& cell, const CellPlane& on,
                                  const std::vector<Point>& border) {
   std::vector<Segment> segments;
+  std::vector<CGAL::Bbox_3> boxes;
   for (const Piece& piece : on.pieces) {
     if (piece.left == piece.right || piece.left == unknown || piece.right == unknown) continue;
     segments.push_back({cell.points[piece.from], cell.points[piece.to], piece.left, piece.right});
+    boxes.push_back(segments.back().from.bbox() + segments.back().to.bbox());
   }
   const Plane& plane = (*cell.planes)[on.plane];
   PlanarMap map(plane, border, cell.points, on.pieces, on.label);
-  return std::make_shared<Face>(Face{on.plane, std::move(segments), std::move(map)});
+  return std::make_shared<Face>(
+      Face{on.plane, std::move(segments), std::move(boxes), std::move(map)});
+}
+
+// The part of a polygon on the inner side of one of a box's six faces.
+std::vector<Place> clipped(const std::vector<Place>& polygon, const CGAL::Bbox_3& box, int face) {
+  const int axis = face / 2;
+  const auto inside = [&](const Place& p) {
+    return face % 2 ? box.max(axis) - p[axis] : p[axis] - box.min(axis);
+  };
+  std::vector<Place> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const auto &from = polygon[i], &to = polygon[(i + 1) % polygon.size()];
+    const double a = inside(from), b = inside(to);
+    if (a >= 0) kept.push_back(from);
+    if ((a >= 0) == (b >= 0)) continue;
+    Place crossing;
+    for (int k = 0; k < 3; ++k) crossing[k] = from[k] + a / (a - b) * (to[k] - from[k]);
+    kept.push_back(crossing);
+  }
+  return kept;
+}
+
+// Whether a convex polygon is not much wider than rounding errors of what is in the box.
+bool is_narrow(const std::vector<Place>& polygon, const CGAL::Bbox_3& box) {
+  double size = 0, area = 0, length = 0;
+  for (int i = 0; i < 3; ++i) size = std::max({size, std::abs(box.min(i)), std::abs(box.max(i))});
+  const auto& o = polygon[0];
+  for (std::size_t i = 1; i < polygon.size(); ++i) {
+    const auto &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    const double a[3] = {p[0] - o[0], p[1] - o[1], p[2] - o[2]};
+    const double b[3] = {q[0] - o[0], q[1] - o[1], q[2] - o[2]};
+    area +=
+        std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+    length = std::max(length, std::hypot(a[0], a[1], a[2]));
+  }
+  return area < 1e-10 * size * length;
+}
+
+Shown shown_on_face(const Site& site, const Zone& zone, const Rough& distance,
+                    const std::vector<Place>& places) {
+  const Place ray = rough_place(CGAL::ORIGIN + zone.rays[0]);
+  std::vector<Place> feet;
+  for (const Place& place : places) {
+    const double height = distance.at(place).first;
+    feet.push_back(
+        {place[0] - ray[0] * height, place[1] - ray[1] * height, place[2] - ray[2] * height});
+  }
+  const CGAL::Bbox_3 box = bounds(feet);
+  double size = 0;
+  for (int i = 0; i < 3; ++i) size = std::max({size, std::abs(box.min(i)), std::abs(box.max(i))});
+  const double slack = 1e-9 * size;  // more than rounding errors
+  return site.face->within({box.xmin() - slack, box.ymin() - slack, box.zmin() - slack,
+                            box.xmax() + slack, box.ymax() + slack, box.zmax() + slack},
+                           site.corners);
+}
+
+// Labels change across planes that are parallel to those of both rays.
+Shown shown_on_edge(const Zone& zone, const std::vector<Place>& places) {
+  const auto& [stops, labels] = zone.labels;
+  if (stops.empty()) return {false, labels[0]};
+  const Vector along = zone.foot[1] - zone.foot[0];
+  Vector across = CGAL::cross_product(zone.rays[0], zone.rays[1]);
+  if (across * along < 0) across = -across;
+  const Rough past(Linear{across, 0});
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Place& place : places) {
+    const auto [value, error] = past.at(place);
+    low = std::min(low, value - error);
+    high = std::max(high, value + error);
+  }
+  Shown all;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (i > 0) {
+      const auto [value, error] = past.at(rough_place(stops[i - 1]));
+      if (value - error > high) break;
+    }
+    if (i < stops.size()) {
+      const auto [value, error] = past.at(rough_place(stops[i]));
+      if (value + error < low) continue;
+    }
+    all.add(labels[i]);
+  }
+  return all;
 }
 
 // The zones around one site.
@@ -58,6 +145,7 @@ class Zones {
     const Point inside = CGAL::centroid(corners_[0], corners_[1], corners_[2]);
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       on_edge_.push_back(map.along(corner(i), corner(i + 1), inside - corner(i)));
+      is_inner_.push_back(map.is_inner(corner(i), corner(i + 1)));
       at_corner_.push_back({{}, {map.at(corner(i), inside - corner(i))}});
     }
   }
@@ -76,7 +164,7 @@ class Zones {
     std::vector<Zone> zones{prism(1), prism(-1)};
     for (Zone& zone : zones) {  // each on its own side of the site
       const auto& [u, c] = zone.distance;
-      zone.bounds.emplace_back(-u.x(), -u.y(), -u.z(), c);
+      zone.bounds.emplace_back(Kernel::Plane_3(-u.x(), -u.y(), -u.z(), c));
     }
     for (const Gauge::Facet& facet : gauge_.facets) zones.push_back(on_facet(facet));
     for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -96,13 +184,14 @@ class Zones {
   }
 
   // The plane through p along v and w, with the other point behind it.
-  static Halfspace spanned(const Point& p, const Vector& v, const Vector& w, const Point& behind) {
-    const Halfspace plane(p, CGAL::cross_product(v, w));
+  static Kernel::Plane_3 spanned(const Point& p, const Vector& v, const Vector& w,
+                                 const Point& behind) {
+    const Kernel::Plane_3 plane(p, CGAL::cross_product(v, w));
     return plane.has_on_positive_side(behind) ? plane.opposite() : plane;
   }
 
   // A side of the cone of a facet of the gauge, from a point.
-  Halfspace side(const Gauge::Facet& facet, Index edge, const Point& from) const {
+  Kernel::Plane_3 side(const Gauge::Facet& facet, Index edge, const Point& from) const {
     const auto& [v, w] = gauge_.edges[edge].corners;
     Vector middle = CGAL::NULL_VECTOR;
     for (Index c : facet.corners) middle += gauge_.corners[c];
@@ -145,11 +234,12 @@ class Zones {
     std::vector<Halfspace> bounds{spanned(corner(i), along, low, corner(i) + high),
                                   spanned(corner(i), along, high, corner(i) + low)};
     for (Index edge : facet.edges) {
-      const Halfspace at_start = side(facet, edge, corner(i));
+      const Kernel::Plane_3 at_start = side(facet, edge, corner(i));
       const bool ends = at_start.orthogonal_vector() * along > 0;
       bounds.push_back(ends ? side(facet, edge, corner(i + 1)) : at_start);
     }
-    return {distance, std::move(bounds), {corner(i), corner(i + 1)}, {low, high}, on_edge_[i]};
+    return {distance,    std::move(bounds), {corner(i), corner(i + 1)},
+            {low, high}, on_edge_[i],       is_inner_[i]};
   }
 
   // The facet that an edge of the site and one of the gauge span, if it is one of their
@@ -167,13 +257,15 @@ class Zones {
     std::vector<Halfspace> bounds{
         spanned(corner(i), v, w, corner(i + 1)), spanned(corner(i + 1), v, w, corner(i)),
         spanned(corner(i), along, v, corner(i) + w), spanned(corner(i), along, w, corner(i) + v)};
-    return Zone{distance, std::move(bounds), {corner(i), corner(i + 1)}, {v, w}, on_edge_[i]};
+    return Zone{distance, std::move(bounds), {corner(i), corner(i + 1)},
+                {v, w},   on_edge_[i],       is_inner_[i]};
   }
 
   const Gauge& gauge_;
   const std::vector<Point>& corners_;
   const Vector& normal_;
   std::vector<PlanarMap::Along> on_edge_, at_corner_;
+  std::vector<bool> is_inner_;
 };
 
 }  // namespace
@@ -182,7 +274,7 @@ Rough::Rough(const Linear& exact)
     : u{CGAL::to_double(exact.u.x()), CGAL::to_double(exact.u.y()), CGAL::to_double(exact.u.z())},
       c(CGAL::to_double(exact.c)) {}
 
-std::pair<double, double> Rough::at(const std::array<double, 3>& x) const {
+std::pair<double, double> Rough::at(const Place& x) const {
   double value = -c, sum = std::abs(c);
   for (int i = 0; i < 3; ++i) {
     value += u[i] * x[i];
@@ -190,6 +282,30 @@ std::pair<double, double> Rough::at(const std::array<double, 3>& x) const {
   }
   // A few roundings, of 2^-53 each, and those of what was given.
   return {value, 1e-14 * sum};
+}
+
+Shown Face::within(const CGAL::Bbox_3& box, const std::vector<Point>& polygon) const {
+  for (const CGAL::Bbox_3& segment : boxes) {
+    if (CGAL::do_overlap(segment, box)) return {true, {}};
+  }
+  std::vector<Place> left;
+  for (const Point& corner : polygon) left.push_back(rough_place(corner));
+  for (int side = 0; side < 6 && !left.empty(); ++side) left = clipped(left, box, side);
+  if (left.empty()) return {false, {}};
+  if (is_narrow(left, box)) return {true, {}};  // rounding might tell a wrong label
+  double middle[3] = {0, 0, 0};
+  for (const auto& corner : left) {
+    for (int i = 0; i < 3; ++i) middle[i] += corner[i] / static_cast<double>(left.size());
+  }
+  const Label label = map.at(Point(middle[0], middle[1], middle[2]), CGAL::NULL_VECTOR);
+  return {label == unknown, label};
+}
+
+Shown shown(const Site& site, const Zone& zone, const Rough& distance,
+            const std::vector<Place>& places) {
+  if (zone.foot.size() == 1) return {false, zone.labels.labels[0]};
+  if (zone.foot.size() == 2) return shown_on_edge(zone, places);
+  return shown_on_face(site, zone, distance, places);
 }
 
 Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces) {
@@ -201,8 +317,8 @@ Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces) {
     std::vector<Index> loop;
     for (Index corner : wall.corners) {
       if (names[corner] == none) {
-        names[corner] = static_cast<Index>(body.points.size());
-        body.points.push_back(cell.points[corner]);
+        names[corner] = static_cast<Index>(body.corners.size());
+        body.corners.push_back(std::make_shared<Corner>(cell.points[corner]));
       }
       loop.push_back(names[corner]);
     }
@@ -211,14 +327,6 @@ Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces) {
     body.facets.push_back({&halfspaces.back(), std::move(loop)});
   }
   return body;
-}
-
-std::size_t count_sites(const PartialCell& cell) {
-  std::size_t count = 0;
-  for (const CellPlane& patch : cell.patches) {
-    count += face(cell, patch, border(cell, patch))->map.known().size();
-  }
-  return count;
 }
 
 Gauge gauge(const PartialCell& cell) {

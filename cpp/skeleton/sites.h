@@ -14,6 +14,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "transect/cpp/skeleton/gauge.h"
@@ -31,19 +32,13 @@ struct Linear {
   Number at(const Point& x) const { return u * (x - CGAL::ORIGIN) - c; }
 };
 
-// Behind it, a is less than b.
-inline Halfspace less(const Linear& a, const Linear& b) {
-  const Vector u = a.u - b.u;
-  return Halfspace(u.x(), u.y(), u.z(), b.c - a.c);
-}
-
 // The same in doubles, where they can decide.
 struct Rough {
   double u[3], c;
 
   explicit Rough(const Linear& exact);
   // The value and more than the error of the value.
-  std::pair<double, double> at(const std::array<double, 3>& x) const;
+  std::pair<double, double> at(const Place& x) const;
 };
 
 struct Zone {
@@ -56,6 +51,8 @@ struct Zone {
   Vector rays[2];
   // The labels on an edge or at a corner.
   PlanarMap::Along labels;
+  // Beyond the edge the next site is as near: nothing is nearest to this zone.
+  bool is_inner = false;
 };
 
 // A piece of a contour between two labels.
@@ -64,11 +61,26 @@ struct Segment {
   Label left, right;
 };
 
+// The labels of a part of space, as far as doubles can tell.
+struct Shown {
+  bool is_mixed = false;  // possibly more than one
+  std::optional<Label> only;
+
+  void add(Label label) {
+    is_mixed = is_mixed || (only && *only != label);
+    only = label;
+  }
+};
+
 // A plane with labels on it.
 struct Face {
   Index plane;
   std::vector<Segment> segments;
+  std::vector<CGAL::Bbox_3> boxes;  // of the segments
   PlanarMap map;
+
+  // What a convex polygon in the plane may show in a box.
+  Shown within(const CGAL::Bbox_3& box, const std::vector<Point>& polygon) const;
 };
 
 struct Site {
@@ -76,10 +88,13 @@ struct Site {
   std::vector<Point> corners;  // counter-clockwise about the plane's normal
   Vector normal;
   std::vector<Zone> zones;  // one for a wall
+
+  bool is_wall() const { return zones.size() == 1; }
 };
 
-// How many sites the patches make.
-std::size_t count_sites(const PartialCell& cell);
+// What a zone may show between some places.
+Shown shown(const Site& site, const Zone& zone, const Rough& distance,
+            const std::vector<Place>& places);
 
 // The cell as a polytope. The half-spaces must outlive it.
 Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces);

@@ -11,13 +11,6 @@
 namespace transect::skeleton {
 namespace {
 
-// More convex sites of partial sections take minutes: the number of territories
-// grows exponentially with them.
-constexpr std::size_t most_sites = 4;
-// A few seconds' worth of corners of what is known: every one makes a zone for
-// every edge of the gauge.
-constexpr std::size_t most_corners = 150;
-
 CellSurface between_full_sections(const Prepared& prepared, Index cell) {
   const Heights heights(prepared.scene, prepared.cells, cell);
   if (!heights.labels_differ()) return {};
@@ -50,17 +43,6 @@ bool labels_differ(const PartialCell& cell) {
   };
   return std::any_of(cell.walls.begin(), cell.walls.end(), differs) ||
          std::any_of(cell.patches.begin(), cell.patches.end(), differs);
-}
-
-// The pieces between known and unknown.
-std::size_t outline_size(const PartialCell& cell) {
-  std::size_t size = 0;
-  for (const CellPlane& patch : cell.patches) {
-    size += std::count_if(patch.pieces.begin(), patch.pieces.end(), [](const Piece& piece) {
-      return piece.left == unknown || piece.right == unknown;
-    });
-  }
-  return size;
 }
 
 // Whether every label's boundary is closed but for edges on the cell's walls, where
@@ -99,10 +81,6 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index) {
   const PartialCell cell = prepared.patches.cell(index, shared);
   CellSurface result;
   if (!labels_differ(cell)) return result;
-  if (outline_size(cell) > most_corners || partial_sites(cell) > most_sites) {
-    result.is_left_out = true;
-    return result;
-  }
   PartialSurface made = partial_surface(cell);
   if (!is_closed(cell, made)) {
     result.is_left_out = true;
@@ -113,6 +91,7 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index) {
     const Index own = static_cast<Index>(shared.size());
     return point < own ? shared[point] : base + (point - own);
   };
+  result.inexact = made.inexact;
   result.added = std::move(made.added);
   result.triangles = std::move(made.triangles);
   for (Triangle& triangle : result.triangles) {

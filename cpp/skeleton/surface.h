@@ -14,9 +14,9 @@ struct CellSurface {
   std::vector<Point> added;  // the points that follow the scene's
   std::vector<Triangle> triangles;
   std::vector<Split> splits;
-  // There are too many partial sections to partition the cell, or its partition came
-  // out open: it has no surface.
+  // Its partition came out open: it has no surface.
   bool is_left_out = false;
+  PartialSurface::Inexact inexact;
 };
 
 // What does not change while cells are worked on.

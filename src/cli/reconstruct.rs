@@ -116,12 +116,13 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
 
 /// Exact coordinates are of an exact surface alone.
 fn require_exact(details: &Details) -> Result<()> {
-    match details.left_out.len() {
-        0 => Ok(()),
-        cells => Err(Error::Option(format!(
-            "{cells} cells hold more partial sections than can be done exactly: leave --exact out"
-        ))),
+    let cells = details.left_out.len().max(details.inexact.len());
+    if cells == 0 {
+        return Ok(());
     }
+    Err(Error::Option(format!(
+        "{cells} cells hold more partial sections than can be done exactly: leave --exact out"
+    )))
 }
 
 /// Options of pictures without any are a mistake.

@@ -100,10 +100,21 @@ fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
     if !exact.left_out.is_empty() {
         writeln!(
             out,
-            "{} of {} cells hold too many partial sections to be exact: the surface comes from \
-             nearest points on the grid",
+            "{} of {} cells came out open (a fault of transect): the surface comes from nearest \
+             points on the grid, not made fair",
             exact.left_out.len(),
             exact.cells
+        )?;
+    }
+    if let Some(first) = exact.inexact.iter().max_by(|a, b| a.volume.total_cmp(&b.volume)) {
+        let parts: u32 = exact.inexact.iter().map(|inexact| inexact.parts).sum();
+        writeln!(
+            out,
+            "exact            {:.2} % of the box; in {parts} places too many sections are equally \
+             near: most in cell {} around ({})",
+            100.0 * exact.exact_share,
+            first.cell,
+            first.at.map(number).join(", ")
         )?;
     }
     writeln!(

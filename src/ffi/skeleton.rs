@@ -49,8 +49,14 @@ mod bridge {
         /// Ends of a contour's piece and a point between them that triangles
         /// here have, and those in the cell beyond may not.
         splits: Vec<u32>,
-        /// Whether there are too many partial sections for a surface.
+        /// Whether its partition came out open: then there is no surface.
         is_left_out: bool,
+        /// How many parts of the cell hold too many sites to be exact.
+        inexact_parts: u32,
+        /// Their volume, rounded.
+        inexact_volume: f64,
+        /// The middle of the largest one, rounded; empty without any.
+        inexact_at: Vec<f64>,
     }
 
     /// Where two sections never say the same on their common line.

@@ -92,6 +92,21 @@ pub struct Contradiction {
     pub labels: [Vec<String>; 2],
 }
 
+/// A cell in which more parts of partial sections are equally near, or nearly so, than can
+/// be told apart exactly in reasonable time. There only the nearest few decide; the surface
+/// is closed all the same, and fits what is around it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inexact {
+    /// The cell.
+    pub cell: u32,
+    /// How many parts of it this concerns.
+    pub parts: u32,
+    /// Their volume, in cubic world units.
+    pub volume: f64,
+    /// The middle of the largest part, in world units.
+    pub at: [f64; 3],
+}
+
 /// An exact reconstruction.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Skeleton {
@@ -124,8 +139,11 @@ pub struct Details {
     pub joined: u32,
     /// The cells between the full sections.
     pub cells: u32,
-    /// Those that hold too many partial sections, or such with too many corners, and
-    /// have no surface: the mesh is not closed around them.
+    /// Those of which parts are not exact.
+    pub inexact: Vec<Inexact>,
+    /// The part of the box's volume that is exact.
+    pub exact_share: f64,
+    /// Cells that came out open and have no surface: the mesh is not closed around them.
     pub left_out: Vec<u32>,
     /// The accuracy of distances that sufficed.
     pub bits: u32,
@@ -174,6 +192,8 @@ pub fn skeleton(
     details.snapped = prepared.snapped();
     details.cells = prepared.cells();
     details.bits = prepared.bits();
+    let inexact: f64 = details.inexact.iter().map(|inexact| inexact.volume).sum();
+    details.exact_share = 1.0 - inexact / bounds.size().element_product();
     Ok(made)
 }
 
@@ -206,6 +226,7 @@ struct Joined {
     sides: Vec<[Label; 2]>,
     origins: Vec<Origin>,
     splits: Vec<Split>,
+    inexact: Vec<Inexact>,
     left_out: Vec<u32>,
     sections: u32,
 }
@@ -213,8 +234,9 @@ struct Joined {
 impl Joined {
     fn new(points: Vec<f64>, sections: u32) -> Self {
         let shared = points.len() as u32 / 3;
-        let (corners, sides, origins, splits, left_out) = Default::default();
-        Self { points, shared, exact: None, corners, sides, origins, splits, left_out, sections }
+        let (corners, sides, origins, splits, inexact) = Default::default();
+        let (exact, left_out) = Default::default();
+        Self { points, shared, exact, corners, sides, origins, splits, inexact, left_out, sections }
     }
 
     fn add(&mut self, cell: u32, output: CellOutput) {
@@ -225,6 +247,10 @@ impl Joined {
         self.splits.extend(splits.map(|split| [split[0], split[1], split[2]].map(number)));
         if output.is_left_out {
             self.left_out.push(cell);
+        }
+        if let [x, y, z] = output.inexact_at[..] {
+            let CellOutput { inexact_parts: parts, inexact_volume: volume, .. } = output;
+            self.inexact.push(Inexact { cell, parts, volume, at: [x, y, z] });
         }
         self.points.extend(output.points);
         if let Some(exact) = &mut self.exact {
@@ -254,6 +280,7 @@ impl Joined {
             origins: self.origins,
             contours: contours.as_chunks::<2>().0.to_vec(),
             exact,
+            inexact: self.inexact,
             left_out: self.left_out,
             ..Details::default()
         };

@@ -1,0 +1,358 @@
+#include "transect/cpp/skeleton/leaves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <utility>
+
+namespace transect::skeleton::partial {
+namespace {
+
+// With more sites a part is divided without a look at zones.
+constexpr std::size_t most_sites = 100;
+// As many zones are partitioned at once rather than divided.
+constexpr std::size_t few_zones = 80;
+// As many are partitioned where a part is not divided further.
+constexpr std::size_t most_zones = 160;
+// How small parts get, relative to the cell, and how small when there are many.
+constexpr double smallest_part = 1.0 / 512, small_part = 1.0 / 48;
+constexpr std::size_t many_parts = 2000;
+// Sites in a leaf that is not exact, besides those that touch it.
+constexpr std::size_t nearest_sites = 4;
+
+// The distance between two boxes.
+double gap(const CGAL::Bbox_3& a, const CGAL::Bbox_3& b) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double way = std::max({0.0, a.min(i) - b.max(i), b.min(i) - a.max(i)});
+    sum += way * way;
+  }
+  return std::sqrt(sum);
+}
+
+double longest(const CGAL::Bbox_3& box, int* axis = nullptr) {
+  double length = -1;
+  for (int i = 0; i < 3; ++i) {
+    if (box.max(i) - box.min(i) <= length) continue;
+    length = box.max(i) - box.min(i);
+    if (axis) *axis = i;
+  }
+  return length;
+}
+
+// A site's distance at the corners of a body, by zones.
+struct Spread {
+  Candidate candidate;
+  std::size_t corners;
+  std::vector<double> values;     // zone by zone
+  std::vector<double> errors;     // of each zone
+  std::vector<double> low, high;  // of the largest, at each corner
+  double sum = -std::numeric_limits<double>::infinity();
+
+  Spread(const Candidate& all, const Distances& distances, const std::vector<Place>& places)
+      : candidate{all.site, {}}, corners(places.size()) {
+    const std::size_t count = all.zones.size();
+    std::vector<double> every(count * corners), error(count), sums(count);
+    for (std::size_t zone = 0; zone < count; ++zone) {
+      const Rough& rough = distances.rough({all.site, all.zones[zone]});
+      for (std::size_t corner = 0; corner < corners; ++corner) {
+        const auto [value, doubt] = rough.at(places[corner]);
+        every[zone * corners + corner] = value;
+        error[zone] = std::max(error[zone], doubt);
+        sums[zone] += value;
+      }
+    }
+    // Zones that are the largest somewhere are above others, if any are.
+    const auto lead = [&](auto value) {
+      std::size_t best = 0;
+      for (std::size_t i = 1; i < count; ++i) {
+        if (value(i) > value(best)) best = i;
+      }
+      return best;
+    };
+    const auto is_below = [&](std::size_t zone, std::size_t leader) {
+      return leader != zone && above(&every[leader * corners], error[leader],
+                                     &every[zone * corners], error[zone], corners);
+    };
+    std::vector<std::size_t> left(count);
+    std::iota(left.begin(), left.end(), 0);
+    const auto drop_below = [&](std::size_t leader) {
+      left.erase(std::remove_if(left.begin(), left.end(),
+                                [&](std::size_t zone) { return is_below(zone, leader); }),
+                 left.end());
+    };
+    const std::size_t first = lead([&](std::size_t zone) { return sums[zone]; });
+    drop_below(first);
+    std::vector<std::size_t> leaders;
+    for (std::size_t corner = 0; corner < corners; ++corner) {
+      leaders.push_back(lead([&](std::size_t zone) { return every[zone * corners + corner]; }));
+    }
+    std::sort(leaders.begin(), leaders.end());
+    leaders.erase(std::unique(leaders.begin(), leaders.end()), leaders.end());
+    for (std::size_t leader : leaders) drop_below(leader);
+    low.assign(corners, -std::numeric_limits<double>::infinity());
+    high = low;
+    for (std::size_t zone : left) {
+      const double* own = &every[zone * corners];
+      for (std::size_t corner = 0; corner < corners; ++corner) {
+        low[corner] = std::max(low[corner], own[corner] - error[zone]);
+        high[corner] = std::max(high[corner], own[corner] + error[zone]);
+      }
+      sum = std::max(sum, sums[zone]);
+      candidate.zones.push_back(all.zones[zone]);
+      values.insert(values.end(), own, own + corners);
+      errors.push_back(error[zone]);
+    }
+  }
+
+  // Whether a zone is above all of the other's at all corners.
+  bool is_beyond(const Spread& other) const {
+    for (std::size_t zone = 0; zone < errors.size(); ++zone) {
+      if (above(&values[zone * corners], errors[zone], other.high.data(), 0, corners)) return true;
+    }
+    return false;
+  }
+  bool touches() const {
+    return std::any_of(low.begin(), low.end(), [](double value) { return value <= 0; });
+  }
+
+ private:
+  // Whether one linear function is above another at all corners, whatever their errors.
+  static bool above(const double* more, double more_error, const double* less, double less_error,
+                    std::size_t corners) {
+    for (std::size_t i = 0; i < corners; ++i) {
+      if (!(more[i] - more_error > less[i] + less_error)) return false;
+    }
+    return true;
+  }
+};
+
+// The largest distance of a site from some places, and no less.
+double farthest(const Candidate& candidate, const Distances& distances,
+                const std::vector<Place>& places) {
+  double result = -std::numeric_limits<double>::infinity();
+  for (Index zone : candidate.zones) {
+    const Rough& rough = distances.rough({candidate.site, zone});
+    for (const Place& place : places) {
+      const auto [value, error] = rough.at(place);
+      result = std::max(result, value + error);
+    }
+  }
+  return result;
+}
+
+std::vector<Spread> nearest(const std::vector<Candidate>& all, const Distances& distances,
+                            const std::vector<Place>& corners) {
+  std::vector<Spread> spreads;
+  for (const Candidate& candidate : all) spreads.emplace_back(candidate, distances, corners);
+  std::set<std::size_t> leaders;
+  const auto lead = [&](auto value) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < spreads.size(); ++i) {
+      if (value(spreads[i]) < value(spreads[best])) best = i;
+    }
+    leaders.insert(best);
+  };
+  lead([](const Spread& spread) { return spread.sum; });
+  for (std::size_t corner = 0; corner < corners.size(); ++corner) {
+    lead([corner](const Spread& spread) { return spread.high[corner]; });
+  }
+  std::vector<bool> is_out(spreads.size());
+  for (std::size_t i = 0; i < spreads.size(); ++i) {
+    for (std::size_t leader : leaders) {
+      is_out[i] = is_out[i] || (leader != i && spreads[i].is_beyond(spreads[leader]));
+    }
+  }
+  std::vector<Spread> kept;
+  for (std::size_t i = 0; i < spreads.size(); ++i) {
+    if (!is_out[i]) kept.push_back(std::move(spreads[i]));
+  }
+  return kept;
+}
+
+// The only label that candidates can have between some places, if that is clear.
+std::optional<Label> only_label(const std::vector<Candidate>& candidates,
+                                const Distances& distances, const std::vector<Place>& corners) {
+  Shown all;
+  for (const auto& [site, zones] : candidates) {
+    for (Index zone : zones) {
+      const Owner owner{site, zone};
+      if (distances.zone(owner).is_inner) continue;
+      const Shown one =
+          shown(distances.sites()[site], distances.zone(owner), distances.rough(owner), corners);
+      if (one.only) all.add(*one.only);
+      if (one.is_mixed || all.is_mixed) return {};
+    }
+  }
+  return all.only;
+}
+
+std::size_t count_zones(const std::vector<Candidate>& candidates) {
+  std::size_t count = 0;
+  for (const Candidate& candidate : candidates) count += candidate.zones.size();
+  return count;
+}
+
+}  // namespace
+
+Leaves::Around::Around(const Site& site) {
+  for (const Point& corner : site.corners) box += corner.bbox();
+  const Place normal = rough_place(CGAL::ORIGIN + site.normal);
+  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  const Place on = rough_place(site.corners[0]);
+  for (int i = 0; i < 3; ++i) {
+    unit[i] = normal[i] / length;
+    offset += unit[i] * on[i];
+  }
+}
+
+std::pair<double, double> Leaves::Around::heights(const std::vector<Place>& places) const {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Place& at : places) {
+    const double height = unit[0] * at[0] + unit[1] * at[1] + unit[2] * at[2] - offset;
+    low = std::min(low, height);
+    high = std::max(high, height);
+  }
+  return {low, high};
+}
+
+Leaves::Leaves(const Polytope& cell, const Distances& distances, double cut_at)
+    : cell_(cell), distances_(distances), cut_at_(cut_at) {
+  const double all = std::numeric_limits<double>::infinity();
+  Part whole{cell, {-all, -all, -all, all, all, all}, {}};
+  const std::vector<Site>& sites = distances.sites();
+  for (Index site = 0; site < sites.size(); ++site) {
+    whole.candidates.push_back({site, {}});
+    for (Index zone = 0; zone < sites[site].zones.size(); ++zone) {
+      whole.candidates.back().zones.push_back(zone);
+    }
+  }
+  for (const Site& site : sites) around_.emplace_back(site);
+  size_ = longest(bounds(cell.places()));
+  queue_.push_back(std::move(whole));
+  // By breadth: large parts first, before there are many.
+  while (!queue_.empty()) {
+    Part part = std::move(queue_.front());
+    queue_.pop_front();
+    settle(std::move(part));
+  }
+}
+
+void Leaves::settle(Part part) {
+  const std::vector<Place> corners = part.body.places();
+  drop_far(corners, part);
+  const bool is_small = longest(bounds(corners)) < size_ * smallest();
+  if (part.candidates.size() > most_sites && !is_small) return split(part);
+  std::vector<Spread> spreads = nearest(part.candidates, distances_, corners);
+  part.candidates.clear();
+  for (Spread& spread : spreads) part.candidates.push_back(std::move(spread.candidate));
+  if (const auto label = only_label(part.candidates, distances_, corners)) {
+    part.candidates.resize(1);
+    uniform_.push_back({{}, part.box, std::move(part.candidates), label});
+    return;
+  }
+  const std::size_t zones = count_zones(part.candidates);
+  if (zones > few_zones && !is_small) return split(part);
+  Leaf leaf{std::move(part.body), part.box, std::move(part.candidates), {}};
+  leaf.is_exact = zones <= most_zones;
+  if (!leaf.is_exact) {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < spreads.size(); ++i) {
+      order.push_back({spreads[i].touches() ? 0 : spreads[i].sum, i});
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<Candidate> kept;
+    std::size_t others = 0;
+    for (const auto& [distance, i] : order) {
+      if (distance > 0 && ++others > nearest_sites) break;
+      kept.push_back(std::move(leaf.candidates[i]));
+    }
+    std::sort(kept.begin(), kept.end(),
+              [](const Candidate& a, const Candidate& b) { return a.site < b.site; });
+    leaf.candidates = std::move(kept);
+  }
+  mixed_.push_back(std::move(leaf));
+}
+
+double Leaves::smallest() const {
+  return mixed_.size() + queue_.size() < many_parts ? smallest_part : small_part;
+}
+
+// What is farther away than the nearest site so far from all of the part: the gauge is within
+// the unit ball, so its distance is no less than the Euclidean one.
+void Leaves::drop_far(const std::vector<Place>& corners, Part& part) {
+  const CGAL::Bbox_3 box = bounds(corners);
+  std::vector<double> gaps;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < part.candidates.size(); ++i) {
+    const Around& around = around_[part.candidates[i].site];
+    const auto [low, high] = around.heights(corners);
+    const double beside = gap(box, around.box);
+    gaps.push_back(std::max({beside, low, -high}));
+    order.push_back({std::max(beside, std::abs(low + high) / 2), i});
+  }
+  // One of those that look nearest.
+  const std::size_t tried = std::min<std::size_t>(order.size(), 3);
+  std::partial_sort(order.begin(), order.begin() + tried, order.end());
+  double limit = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < tried; ++i) {
+    limit = std::min(limit, farthest(part.candidates[order[i].second], distances_, corners));
+  }
+  std::vector<Candidate> kept;
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    if (gaps[i] <= limit * (1 + 1e-6)) kept.push_back(std::move(part.candidates[i]));
+  }
+  part.candidates = std::move(kept);
+}
+
+void Leaves::split(const Part& part) {
+  const CGAL::Bbox_3 box = bounds(part.body.places());
+  int axis = 0;
+  const double length = longest(box, &axis);
+  const double at = box.min(axis) + cut_at_ * length;
+  for (int side : {1, -1}) {
+    Part half{part.body, part.box, part.candidates};
+    if (!half.body.clip(cut(axis, side, at))) continue;
+    double low[3], high[3];
+    for (int i = 0; i < 3; ++i) {
+      low[i] = i == axis && side < 0 ? at : part.box.min(i);
+      high[i] = i == axis && side > 0 ? at : part.box.max(i);
+    }
+    half.box = {low[0], low[1], low[2], high[0], high[1], high[2]};
+    queue_.push_back(std::move(half));
+  }
+}
+
+std::vector<Leaf> Leaves::uniform_beside_inexact() {
+  std::vector<CGAL::Bbox_3> boxes;
+  for (const Leaf& leaf : mixed_) {
+    if (!leaf.is_exact) boxes.push_back(leaf.box);
+  }
+  std::vector<Leaf> found;
+  for (const Leaf& leaf : uniform_) {
+    const bool is_beside = std::any_of(boxes.begin(), boxes.end(), [&](const CGAL::Bbox_3& box) {
+      return CGAL::do_overlap(box, leaf.box);
+    });
+    if (!is_beside) continue;
+    found.push_back(leaf);
+    Polytope& body = found.back().body = cell_;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::isfinite(leaf.box.max(axis))) body.clip(cut(axis, 1, leaf.box.max(axis)));
+      if (std::isfinite(leaf.box.min(axis))) body.clip(cut(axis, -1, leaf.box.min(axis)));
+    }
+  }
+  return found;
+}
+
+// What is below a place on an axis (side 1), or above it.
+const Halfspace& Leaves::cut(int axis, int side, double at) {
+  double normal[3] = {0, 0, 0};
+  normal[axis] = side;
+  cuts_.emplace_back(Kernel::Plane_3(normal[0], normal[1], normal[2], -side * at));
+  is_cut_.insert(&cuts_.back());
+  return cuts_.back();
+}
+
+}  // namespace transect::skeleton::partial
