@@ -11,7 +11,6 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -45,6 +44,19 @@ struct Front {
   const std::shared_ptr<RegionLabels>& labels() const { return parts->labels[region]; }
 };
 
+// Names of the planes of a leaf's facets: of all leaves they would fill the memory.
+struct LocalNames {
+  PlaneNames names;
+  std::map<const Halfspace*, PlaneNames::Name> known;
+
+  PlaneNames::Name name_of(const Halfspace* plane) {
+    const auto at = known.find(plane);
+    if (at != known.end()) return at->second;
+    return known[plane] = names.name(plane->plane());
+  }
+  void clear() { *this = LocalNames(); }
+};
+
 // Facets in one plane: of regions behind it and before it.
 struct Fronts {
   std::vector<Front> behind, before;
@@ -63,7 +75,7 @@ class Surfaces {
     for (const Leaf& leaf : leaves_.mixed()) {
       if (!leaf.is_exact) inexact_.push_back(leaf.box);
     }
-    for (const Halfspace& cut : leaves_.cuts()) cuts_.insert(names_.name(cut.plane()).plane);
+    for (const Halfspace& cut : leaves_.cuts()) cuts_.name(cut.plane());
     for (const Leaf& leaf : leaves_.mixed()) add_leaf(leaf);
     if (!inexact_.empty()) add_roofs_between_leaves();
   }
@@ -134,7 +146,7 @@ class Surfaces {
       parts->regions.push_back(std::move(region));
       parts->labels.push_back(std::make_shared<RegionLabels>(parts->regions.back(), distances_));
       for (const Halfspace* plane : parts->labels.back()->changes_along()) {
-        is_apart_ = is_apart_ && cuts_.count(name_of(plane).plane) == 0;
+        is_apart_ = is_apart_ && !is_in_cut(plane->plane());
       }
     }
     for (const auto& labels : parts->labels) add_walls(*labels);
@@ -146,7 +158,7 @@ class Surfaces {
       }
     }
     for (const auto& labels : parts->labels) labels->leave_region();
-    name_of_.clear();
+    local_.clear();
     if (is_beside_inexact(leaf)) beside_inexact_.push_back(std::move(parts));
   }
 
@@ -187,10 +199,10 @@ class Surfaces {
   void add_fronts(const Parts& parts, bool on_cuts, std::map<Index, Fronts>& fronts) {
     for (Index region = 0; region < parts.regions.size(); ++region) {
       for (const Facet& facet : parts.regions[region].body.facets) {
-        const PlaneNames::Name name = name_of(facet.plane);
-        const bool on_cut = cuts_.count(name.plane) != 0;
-        is_apart_ = is_apart_ && (!on_cut || leaves_.is_cut(facet.plane));
+        const bool on_cut = leaves_.is_cut(facet.plane);
+        is_apart_ = is_apart_ && (on_cut || !is_in_cut(facet.plane->plane()));
         if (on_cut != on_cuts) continue;
+        const PlaneNames::Name name = local_.name_of(facet.plane);
         auto& [behind, before] = fronts[name.plane];
         (name.flipped ? before : behind).push_back({&parts, region, &facet});
       }
@@ -217,13 +229,15 @@ class Surfaces {
       if (all.back == all.front) return;
       tile.sides = [all](const Point&) { return all; };
     }
-    tiles_[plane].push_back(std::move(tile));
+    // The name is of the same coefficients there: neither plane is turned.
+    tiles_[names_.name(local_.names.planes()[plane]).plane].push_back(std::move(tile));
   }
 
   // Clips what lies in the plane of one of the region's facets to that facet.
   bool keep_within(Polygon& polygon, Index plane, const Front& front) {
     for (const Facet& facet : front.whole().body.facets) {
-      if (name_of(facet.plane).plane != plane && !clip(polygon, facet.plane->plane())) return false;
+      if (local_.name_of(facet.plane).plane != plane && !clip(polygon, facet.plane->plane()))
+        return false;
     }
     return true;
   }
@@ -235,17 +249,18 @@ class Surfaces {
       Polygon line;
       for (std::size_t i = 0; i < change.polygon.size(); ++i) {
         const Point& corner = change.polygon[i];
-        if (side(names_.planes()[plane], corner) == 0) line.push_back(corner);
+        if (side(local_.names.planes()[plane], corner) == 0) line.push_back(corner);
       }
       if (line.size() != 2 || !CGAL::do_overlap(box, bounds(line))) continue;
       if (keep_within(line, plane, other)) tile.lines.push_back(std::move(line));
     }
   }
 
-  PlaneNames::Name name_of(const Halfspace* plane) {
-    const auto at = name_of_.find(plane);
-    if (at != name_of_.end()) return at->second;
-    return name_of_[plane] = names_.name(plane->plane());
+  // Whether a plane is one between leaves, which are square to the axes.
+  bool is_in_cut(const Kernel::Plane_3& plane) const {
+    const int zeros =
+        CGAL::is_zero(plane.a()) + CGAL::is_zero(plane.b()) + CGAL::is_zero(plane.c());
+    return zeros == 2 && cuts_.has(plane);
   }
 
   const PartialCell& cell_;
@@ -256,9 +271,9 @@ class Surfaces {
   Leaves leaves_;
   std::vector<CGAL::Bbox_3> inexact_;  // leaves
   std::vector<std::unique_ptr<Parts>> beside_inexact_;
-  PlaneNames names_;
-  std::map<const Halfspace*, PlaneNames::Name> name_of_;  // within a leaf
-  std::set<Index> cuts_;
+  PlaneNames names_;  // of tiles
+  PlaneNames cuts_;
+  LocalNames local_;
   bool is_apart_ = true;
   std::map<Index, std::vector<Tile>> tiles_;
 };

@@ -138,18 +138,27 @@ bool Sides::operator==(const Sides& other) const {
          planes[0] == other.planes[0] && planes[1] == other.planes[1];
 }
 
-PlaneNames::Name PlaneNames::name(const Kernel::Plane_3& plane) {
+std::pair<PlaneNames::Key, bool> PlaneNames::key(const Kernel::Plane_3& plane) {
   const Rational whole[4] = {CGAL::exact(plane.a()), CGAL::exact(plane.b()), CGAL::exact(plane.c()),
                              CGAL::exact(plane.d())};
   int lead = 0;
   while (CGAL::sign(whole[lead]) == CGAL::ZERO) ++lead;
-  std::array<Rational, 4> key;
+  Key key;
   for (int i = 0; i < 4; ++i) key[i] = whole[i] / whole[lead];
+  return {key, CGAL::sign(whole[lead]) == CGAL::NEGATIVE};
+}
+
+PlaneNames::Name PlaneNames::name(const Kernel::Plane_3& plane) {
+  const auto [key, flipped] = PlaneNames::key(plane);
   const auto [at, fresh] = names_.try_emplace(key, static_cast<Index>(planes_.size()));
   if (fresh) {
     planes_.emplace_back(Number(key[0]), Number(key[1]), Number(key[2]), Number(key[3]));
   }
-  return {at->second, CGAL::sign(whole[lead]) == CGAL::NEGATIVE};
+  return {at->second, flipped};
+}
+
+bool PlaneNames::has(const Kernel::Plane_3& plane) const {
+  return names_.count(key(plane).first) != 0;
 }
 
 std::vector<Seam> seams(const Kernel::Plane_3& plane, const std::vector<Tile>& tiles) {

@@ -32,11 +32,15 @@ class PlaneNames {
     bool flipped;
   };
   Name name(const Kernel::Plane_3& plane);
+  bool has(const Kernel::Plane_3& plane) const;
   const std::vector<Kernel::Plane_3>& planes() const { return planes_; }
 
  private:
   using Rational = Kernel::Exact_kernel::FT;
-  std::map<std::array<Rational, 4>, Index> names_;
+  using Key = std::array<Rational, 4>;
+  // The coefficients over the first that is not 0, and whether that is negative.
+  static std::pair<Key, bool> key(const Kernel::Plane_3& plane);
+  std::map<Key, Index> names_;
   std::vector<Kernel::Plane_3> planes_;
 };
 
