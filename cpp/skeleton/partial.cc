@@ -281,6 +281,8 @@ class Surfaces {
 }  // namespace
 }  // namespace partial
 
+std::size_t partial_sites(const PartialCell& cell) { return partial::count_sites(cell); }
+
 PartialSurface partial_surface(const PartialCell& cell) {
   // Where surfaces happen to lie in planes between leaves, others are tried.
   for (const double cut_at : {0.5087, 0.4931, 0.5173}) {

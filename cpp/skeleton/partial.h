@@ -51,6 +51,9 @@ struct PartialSurface {
   Inexact inexact;
 };
 
+// How many convex sites the known parts of the patches make.
+std::size_t partial_sites(const PartialCell& cell);
+
 PartialSurface partial_surface(const PartialCell& cell);
 
 }  // namespace transect::skeleton

@@ -329,6 +329,14 @@ Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces) {
   return body;
 }
 
+std::size_t count_sites(const PartialCell& cell) {
+  std::size_t count = 0;
+  for (const CellPlane& patch : cell.patches) {
+    count += face(cell, patch, border(cell, patch))->map.known().size();
+  }
+  return count;
+}
+
 Gauge gauge(const PartialCell& cell) {
   std::vector<Plane> planes;
   for (const CellPlane& wall : cell.walls) planes.push_back((*cell.planes)[wall.plane]);

@@ -96,6 +96,9 @@ struct Site {
 Shown shown(const Site& site, const Zone& zone, const Rough& distance,
             const std::vector<Place>& places);
 
+// How many sites the patches make.
+std::size_t count_sites(const PartialCell& cell);
+
 // The cell as a polytope. The half-spaces must outlive it.
 Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces);
 

@@ -11,6 +11,11 @@
 namespace transect::skeleton {
 namespace {
 
+// More convex sites of partial sections take many minutes and gigabytes.
+constexpr std::size_t most_sites = 150;
+// As many corners of what is known make more sites than that.
+constexpr std::size_t most_corners = 2000;
+
 CellSurface between_full_sections(const Prepared& prepared, Index cell) {
   const Heights heights(prepared.scene, prepared.cells, cell);
   if (!heights.labels_differ()) return {};
@@ -43,6 +48,17 @@ bool labels_differ(const PartialCell& cell) {
   };
   return std::any_of(cell.walls.begin(), cell.walls.end(), differs) ||
          std::any_of(cell.patches.begin(), cell.patches.end(), differs);
+}
+
+// The pieces between known and unknown.
+std::size_t outline_size(const PartialCell& cell) {
+  std::size_t size = 0;
+  for (const CellPlane& patch : cell.patches) {
+    size += std::count_if(patch.pieces.begin(), patch.pieces.end(), [](const Piece& piece) {
+      return piece.left == unknown || piece.right == unknown;
+    });
+  }
+  return size;
 }
 
 // Whether every label's boundary is closed but for edges on the cell's walls, where
@@ -81,6 +97,10 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index) {
   const PartialCell cell = prepared.patches.cell(index, shared);
   CellSurface result;
   if (!labels_differ(cell)) return result;
+  if (outline_size(cell) > most_corners || partial_sites(cell) > most_sites) {
+    result.is_left_out = true;
+    return result;
+  }
   PartialSurface made = partial_surface(cell);
   if (!is_closed(cell, made)) {
     result.is_left_out = true;

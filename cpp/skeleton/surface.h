@@ -14,7 +14,8 @@ struct CellSurface {
   std::vector<Point> added;  // the points that follow the scene's
   std::vector<Triangle> triangles;
   std::vector<Split> splits;
-  // Its partition came out open: it has no surface.
+  // There are too many partial sections to partition the cell, or its partition came
+  // out open: it has no surface.
   bool is_left_out = false;
   PartialSurface::Inexact inexact;
 };

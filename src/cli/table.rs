@@ -100,8 +100,8 @@ fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
     if !exact.left_out.is_empty() {
         writeln!(
             out,
-            "{} of {} cells came out open (a fault of transect): the surface comes from nearest \
-             points on the grid, not made fair",
+            "{} of {} cells hold too many partial sections to be exact: the surface comes from \
+             nearest points on the grid, and is not made fair",
             exact.left_out.len(),
             exact.cells
         )?;

@@ -49,7 +49,7 @@ mod bridge {
         /// Ends of a contour's piece and a point between them that triangles
         /// here have, and those in the cell beyond may not.
         splits: Vec<u32>,
-        /// Whether its partition came out open: then there is no surface.
+        /// Whether there are too many partial sections for a surface.
         is_left_out: bool,
         /// How many parts of the cell hold too many sites to be exact.
         inexact_parts: u32,
