@@ -11,10 +11,10 @@
 namespace transect::skeleton {
 namespace {
 
-// More convex sites of partial sections take many minutes and gigabytes.
-constexpr std::size_t most_sites = 150;
+// More convex sites of partial sections take minutes to hours, and gigabytes.
+constexpr std::size_t most_sites = 64;
 // As many corners of what is known make more sites than that.
-constexpr std::size_t most_corners = 2000;
+constexpr std::size_t most_corners = 1000;
 
 CellSurface between_full_sections(const Prepared& prepared, Index cell) {
   const Heights heights(prepared.scene, prepared.cells, cell);

@@ -143,7 +143,7 @@ pub struct Details {
     pub inexact: Vec<Inexact>,
     /// The part of the box's volume that is exact.
     pub exact_share: f64,
-    /// Those with hundreds of known parts of partial sections, which have no surface: the
+    /// Those with too many known parts of partial sections, which have no surface: the
     /// mesh is not closed around them.
     pub left_out: Vec<u32>,
     /// The accuracy of distances that sufficed.
