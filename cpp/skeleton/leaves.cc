@@ -300,9 +300,14 @@ void Leaves::drop_far(const std::vector<Place>& corners, Part& part) {
   for (std::size_t i = 0; i < tried; ++i) {
     limit = std::min(limit, farthest(part.candidates[order[i].second], distances_, corners));
   }
+  // The gauge may be larger by rounded scales, and places are rounded: in a thin cell that is
+  // more than the distances.
+  double size = 0;
+  for (int i = 0; i < 3; ++i) size = std::max({size, std::abs(box.min(i)), std::abs(box.max(i))});
+  limit = (1 + 1e-6) * limit + 1e-12 * std::max(size, size_);
   std::vector<Candidate> kept;
   for (std::size_t i = 0; i < gaps.size(); ++i) {
-    if (gaps[i] <= limit * (1 + 1e-6)) kept.push_back(std::move(part.candidates[i]));
+    if (gaps[i] <= limit) kept.push_back(std::move(part.candidates[i]));
   }
   part.candidates = std::move(kept);
 }

@@ -11,7 +11,6 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <stdexcept>
 #include <utility>
 
 #include "transect/cpp/skeleton/labels.h"
@@ -20,6 +19,7 @@
 namespace transect::skeleton {
 namespace partial {
 namespace {
+
 CGAL::Bbox_3 bounds(const Polygon& polygon) {
   CGAL::Bbox_3 box;
   for (const Point& corner : polygon) box += corner.bbox();
@@ -284,12 +284,13 @@ class Surfaces {
 std::size_t partial_sites(const PartialCell& cell) { return partial::count_sites(cell); }
 
 PartialSurface partial_surface(const PartialCell& cell) {
-  // Where surfaces happen to lie in planes between leaves, others are tried.
-  for (const double cut_at : {0.5087, 0.4931, 0.5173}) {
+  // Where surfaces happen to lie in planes between leaves, others are tried. If that never
+  // helps, the surface may be open, which its user sees.
+  for (const double cut_at : {0.5087, 0.4931}) {
     partial::Surfaces surfaces(cell, cut_at);
     if (surfaces.is_apart()) return surfaces.result();
   }
-  throw std::runtime_error("surfaces lie in all planes that divide a cell");
+  return partial::Surfaces(cell, 0.5173).result();
 }
 
 }  // namespace transect::skeleton
