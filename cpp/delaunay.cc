@@ -6,17 +6,22 @@
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_domain_with_polyline_features_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
+#include <CGAL/Spatial_sort_traits_adapter_3.h>
 #include <CGAL/make_mesh_3.h>
+#include <CGAL/property_map.h>
 #include <CGAL/refine_mesh_3.h>
+#include <CGAL/spatial_sort.h>
 #include <CGAL/version.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <map>
+#include <numeric>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -102,39 +107,31 @@ void add_curves(Domain& domain, rust::Slice<const double> points,
   domain.add_features(curves.begin(), curves.end());
 }
 
-// Whether a point is in the ball of a vertex on a curve, where no others may
-// be.
-bool is_protected(const Triangulation& triangulation, const Triangulation::Weighted_point& point) {
-  if (triangulation.dimension() < 3) {
-    for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end();
-         ++v) {
-      const auto& ball = triangulation.point(v);
-      if (CGAL::squared_distance(ball.point(), point.point()) <= ball.weight()) return true;
-    }
-    return false;
-  }
-  Triangulation::Locate_type type;
-  int i, j;
-  const Cell cell = triangulation.locate(point, type, i, j);
-  if (triangulation.side_of_power_sphere(cell, point, true) != CGAL::ON_BOUNDED_SIDE) return true;
-  std::vector<Vertex> around;
-  triangulation.vertices_on_conflict_zone_boundary(point, cell, std::back_inserter(around));
-  for (const Vertex v : around) {
-    if (triangulation.is_infinite(v)) continue;
-    const auto& ball = triangulation.point(v);
-    if (CGAL::squared_distance(ball.point(), point.point()) <= ball.weight()) return true;
-  }
-  return false;
-}
-
+// Puts points of the surface into the triangulation, but for those in the ball
+// of a vertex on a curve, where no others may be, and those that are there.
 void insert_seeds(Complex& complex, const Domain& domain, rust::Slice<const double> seeds,
                   rust::Slice<const uint32_t> sides) {
   Triangulation& triangulation = complex.triangulation();
-  for (size_t seed = 0; 3 * seed + 2 < seeds.size(); ++seed) {
-    const Triangulation::Weighted_point point(point_at(seeds, seed));
-    if (is_protected(triangulation, point)) continue;
-    const Vertex vertex = triangulation.insert(point);
+  std::vector<Point> points;
+  for (size_t seed = 0; 3 * seed < seeds.size(); ++seed) points.push_back(point_at(seeds, seed));
+  std::vector<size_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  using Places = CGAL::Pointer_property_map<Point>::type;
+  CGAL::spatial_sort(
+      order.begin(), order.end(),
+      CGAL::Spatial_sort_traits_adapter_3<Kernel, Places>(CGAL::make_property_map(points)));
+  Cell near;
+  for (const size_t seed : order) {
+    const Triangulation::Weighted_point point(points[seed]);
+    const Vertex nearest = triangulation.nearest_power_vertex(points[seed], near);
+    if (nearest != Vertex()) {
+      const auto& ball = triangulation.point(nearest);
+      if (CGAL::squared_distance(ball.point(), points[seed]) <= ball.weight()) continue;
+      near = nearest->cell();
+    }
+    const Vertex vertex = triangulation.insert(point, near);
     if (vertex == Vertex()) continue;
+    near = vertex->cell();
     const int one = static_cast<int>(sides[2 * seed]),
               other = static_cast<int>(sides[2 * seed + 1]);
     const std::pair<int, int> patch(std::min(one, other), std::max(one, other));
@@ -143,53 +140,33 @@ void insert_seeds(Complex& complex, const Domain& domain, rust::Slice<const doub
   }
 }
 
-// The label of every cell is that of its dual point, as in CGAL's facets.
-class Labels {
- public:
-  Labels(const Triangulation& triangulation, const Oracle& oracle)
-      : triangulation_(triangulation), oracle_(oracle) {}
-
-  uint32_t operator()(const Cell& cell) {
-    if (triangulation_.is_infinite(cell)) return 0;
-    const auto [place, is_new] = known_.try_emplace(cell, 0);
-    if (is_new) {
-      const Point centre = triangulation_.dual(cell);
-      place->second = oracle_.label_at(centre.x(), centre.y(), centre.z());
-    }
-    return place->second;
-  }
-
- private:
-  const Triangulation& triangulation_;
-  const Oracle& oracle_;
-  std::unordered_map<Cell, uint32_t, CGAL::Handle_hash_function> known_;
-};
-
+// The facets between cells of different labels. The label of every cell is
+// that of its dual point, as refinement left it.
 class Extraction {
  public:
-  Extraction(const Triangulation& triangulation, const Oracle& oracle)
-      : triangulation_(triangulation), label_(triangulation, oracle) {}
+  explicit Extraction(const Triangulation& triangulation) : triangulation_(triangulation) {}
 
   Facets facets() {
     for (auto f = triangulation_.finite_facets_begin(); f != triangulation_.finite_facets_end();
          ++f) {
       add(*f);
     }
-    for (auto e = triangulation_.finite_edges_begin(); e != triangulation_.finite_edges_end();
-         ++e) {
-      add_ring(*e);
-    }
+    add_rings();
     return std::move(result_);
   }
 
  private:
+  uint32_t label(const Cell& cell) const {
+    return triangulation_.is_infinite(cell) ? 0 : static_cast<uint32_t>(cell->subdomain_index());
+  }
+
   // The corners of facet i of a cell, in the order of vertex_triple_index,
   // turn counter-clockwise as seen from inside the cell.
   void add(const Facet& facet) {
     const auto [cell, i] = facet;
-    const uint32_t front = label_(cell), back = label_(cell->neighbor(i));
+    const uint32_t front = label(cell), back = label(cell->neighbor(i));
     if (front == back) return;
-    index_[key(facet)] = static_cast<uint32_t>(result_.sides.size() / 2);
+    facets_.push_back(facet);
     for (int corner = 0; corner < 3; ++corner) {
       const int place = Triangulation::vertex_triple_index(i, corner);
       result_.triangles.push_back(number(cell->vertex(place)));
@@ -198,43 +175,63 @@ class Extraction {
     result_.sides.push_back(front);
   }
 
-  void add_ring(const Triangulation::Edge& edge) {
-    std::vector<uint32_t> ring;
-    auto first = triangulation_.incident_facets(edge);
+  // The edges of four or more of the facets, and these in turn.
+  void add_rings() {
+    struct Side {
+      std::array<uint32_t, 2> ends;
+      uint32_t facet;
+      bool operator<(const Side& other) const {
+        return std::tie(ends, facet) < std::tie(other.ends, other.facet);
+      }
+    };
+    std::vector<Side> sides;
+    for (size_t at = 0; at < result_.triangles.size(); ++at) {
+      const size_t facet = at / 3;
+      const uint32_t start = result_.triangles[at],
+                     end = result_.triangles[3 * facet + (at + 1) % 3];
+      sides.push_back({{std::min(start, end), std::max(start, end)}, static_cast<uint32_t>(facet)});
+    }
+    std::sort(sides.begin(), sides.end());
+    for (size_t first = 0, last; first < sides.size(); first = last) {
+      std::vector<uint32_t> around;
+      for (last = first; last < sides.size() && sides[last].ends == sides[first].ends; ++last) {
+        around.push_back(sides[last].facet);
+      }
+      if (around.size() >= 4 && repeats(around)) add_ring(sides[first].ends, around);
+    }
+  }
+
+  void add_ring(const std::array<uint32_t, 2>& ends, const std::vector<uint32_t>& around) {
+    const auto [cell, opposite] = facets_[around[0]];
+    const int i = cell->index(vertices_[ends[0]]), j = cell->index(vertices_[ends[1]]);
+    for (const uint32_t number : {ends[0], ends[1], static_cast<uint32_t>(around.size())}) {
+      result_.rings.push_back(number);
+    }
+    const auto first = triangulation_.incident_facets(cell, i, j, facets_[around[0]]);
     auto facet = first;
     do {
-      const auto found = index_.find(key(*facet));
-      if (found != index_.end()) ring.push_back(found->second);
+      const Facet mirror = triangulation_.mirror_facet(*facet);
+      for (const uint32_t found : around) {
+        if (facets_[found] == *facet || facets_[found] == mirror) result_.rings.push_back(found);
+      }
     } while (++facet != first);
-    if (ring.size() < 4 || !repeats(ring)) return;
-    const auto [cell, i, j] = edge;
-    result_.rings.push_back(number(cell->vertex(i)));
-    result_.rings.push_back(number(cell->vertex(j)));
-    result_.rings.push_back(static_cast<uint32_t>(ring.size()));
-    for (const uint32_t facet : ring) result_.rings.push_back(facet);
   }
 
   // Whether a label has more than two of these facets.
-  bool repeats(const std::vector<uint32_t>& ring) const {
+  bool repeats(const std::vector<uint32_t>& around) const {
     std::map<uint32_t, int> count;
-    for (const uint32_t facet : ring) {
+    for (const uint32_t facet : around) {
       if (++count[result_.sides[2 * facet]] > 2) return true;
       if (++count[result_.sides[2 * facet + 1]] > 2) return true;
     }
     return false;
   }
 
-  // A facet has two names, one from each of its cells.
-  static std::pair<size_t, int> name(const Cell& cell, int i) { return {cell->time_stamp(), i}; }
-  static std::pair<size_t, int> key(const Facet& facet) {
-    const Cell other = facet.first->neighbor(facet.second);
-    return std::min(name(facet.first, facet.second), name(other, other->index(facet.first)));
-  }
-
   uint32_t number(const Vertex& vertex) {
     const auto [place, is_new] =
-        numbers_.try_emplace(vertex, static_cast<uint32_t>(result_.points.size() / 3));
+        numbers_.try_emplace(vertex, static_cast<uint32_t>(vertices_.size()));
     if (is_new) {
+      vertices_.push_back(vertex);
       const Point& point = triangulation_.point(vertex).point();
       for (const double coordinate : {point.x(), point.y(), point.z()}) {
         result_.points.push_back(coordinate);
@@ -244,32 +241,52 @@ class Extraction {
   }
 
   const Triangulation& triangulation_;
-  Labels label_;
-  std::map<std::pair<size_t, int>, uint32_t> index_;
+  // Of every triangle, and of every point of the result.
+  std::vector<Facet> facets_;
+  std::vector<Vertex> vertices_;
   std::unordered_map<Vertex, uint32_t, CGAL::Handle_hash_function> numbers_;
   Facets result_;
 };
 
 }  // namespace
 
-Facets refine(const Oracle& oracle, rust::Slice<const double> bounds,
-              rust::Slice<const double> seeds, rust::Slice<const uint32_t> seed_sides,
-              rust::Slice<const double> curve_points, rust::Slice<const uint32_t> curve_ends,
-              const Criteria& criteria) {
-  Domain domain = make_domain(oracle, bounds, criteria.error);
-  add_curves(domain, curve_points, curve_ends);
-  const Mesh_criteria mesh_criteria(CGAL::Mesh_edge_criteria_3<Triangulation>(criteria.edge),
-                                    Facet_criteria(criteria),
-                                    CGAL::Mesh_cell_criteria_3<Triangulation>(0.0, 0.0));
+struct Refinement::State {
+  Domain domain;
+  Mesh_criteria criteria;
   Complex complex;
+};
+
+Refinement::Refinement(const Oracle& oracle, rust::Slice<const double> bounds,
+                       rust::Slice<const double> curve_points,
+                       rust::Slice<const uint32_t> curve_ends, const Criteria& criteria)
+    : state_(new State{make_domain(oracle, bounds, criteria.error),
+                       Mesh_criteria(CGAL::Mesh_edge_criteria_3<Triangulation>(criteria.edge),
+                                     Facet_criteria(criteria),
+                                     CGAL::Mesh_cell_criteria_3<Triangulation>(0.0, 0.0)),
+                       Complex()}) {
+  auto& [domain, mesh_criteria, complex] = *state_;
+  add_curves(domain, curve_points, curve_ends);
   if (!curve_ends.empty()) {
     CGAL::Mesh_3::internal::init_c3t3_with_features(complex, domain, mesh_criteria);
   }
-  insert_seeds(complex, domain, seeds, seed_sides);
+}
+
+Refinement::~Refinement() = default;
+
+Facets Refinement::refine(rust::Slice<const double> seeds, rust::Slice<const uint32_t> sides) {
+  auto& [domain, mesh_criteria, complex] = *state_;
+  insert_seeds(complex, domain, seeds, sides);
   namespace parameters = CGAL::parameters;
   CGAL::refine_mesh_3(complex, domain, mesh_criteria, parameters::no_exude(),
                       parameters::no_perturb(), parameters::no_reset_c3t3());
-  return Extraction(complex.triangulation(), oracle).facets();
+  return Extraction(complex.triangulation()).facets();
+}
+
+std::unique_ptr<Refinement> new_refinement(const Oracle& oracle, rust::Slice<const double> bounds,
+                                           rust::Slice<const double> curve_points,
+                                           rust::Slice<const uint32_t> curve_ends,
+                                           const Criteria& criteria) {
+  return std::make_unique<Refinement>(oracle, bounds, curve_points, curve_ends, criteria);
 }
 
 }  // namespace transect::delaunay

@@ -51,20 +51,23 @@ mod bridge {
     unsafe extern "C++" {
         include!("transect/cpp/delaunay.h");
 
-        /// Refines until all facets are as they must be. Outside the box
-        /// (lower and upper x, y, z) everything is outside. `seeds` are points
-        /// on the surface, `seed_sides` the two labels at each. Curves are
-        /// `curve_points` up to each of `curve_ends`; those that end where
-        /// they start are closed.
-        unsafe fn refine<'a>(
+        type Refinement;
+
+        /// Curves are `curve_points` up to each of `curve_ends`; those that
+        /// end where they start are closed. Outside the box (lower and upper
+        /// x, y, z) everything is outside.
+        unsafe fn new_refinement<'a>(
             oracle: &Oracle<'a>,
             bounds: &[f64],
-            seeds: &[f64],
-            seed_sides: &[u32],
             curve_points: &[f64],
             curve_ends: &[u32],
             criteria: &Criteria,
-        ) -> Result<Facets>;
+        ) -> Result<UniquePtr<Refinement>>;
+
+        /// Refines until all facets are as they must be. `seeds` are points
+        /// on the surface to begin with, or to add to what is there; `sides`
+        /// the two labels at each.
+        fn refine(self: Pin<&mut Refinement>, seeds: &[f64], sides: &[u32]) -> Result<Facets>;
     }
 }
 
@@ -79,30 +82,45 @@ impl Oracle<'_> {
     }
 }
 
-/// Points on surfaces, and curves where surfaces meet.
+/// Curves where surfaces meet.
 #[derive(Debug, Clone, Copy)]
-pub struct Features<'a> {
+pub struct Curves<'a> {
     /// Coordinates by threes.
-    pub seeds: &'a [f64],
-    /// Two labels for each seed.
-    pub seed_sides: &'a [u32],
-    /// Coordinates by threes.
-    pub curve_points: &'a [f64],
-    /// Where each curve ends in `curve_points`.
-    pub curve_ends: &'a [u32],
+    pub points: &'a [f64],
+    /// Where each curve ends in `points`.
+    pub ends: &'a [u32],
 }
 
-/// See the bridge.
-///
-/// # Errors
-/// CGAL's exceptions, and more vertices than allowed.
-pub fn refine(
-    oracle: &Oracle,
-    bounds: &[f64; 6],
-    features: &Features,
-    criteria: &Criteria,
-) -> Result<Facets, cxx::Exception> {
-    let Features { seeds, seed_sides, curve_points, curve_ends } = features;
-    // SAFETY: C++ keeps no reference to the oracle beyond the call.
-    unsafe { bridge::refine(oracle, bounds, seeds, seed_sides, curve_points, curve_ends, criteria) }
+/// A triangulation that is refined step by step.
+pub struct Refinement<'a> {
+    refinement: cxx::UniquePtr<bridge::Refinement>,
+    /// C++ asks it at every step.
+    _oracle: &'a Oracle<'a>,
+}
+
+impl<'a> Refinement<'a> {
+    /// With the vertices that protect the curves.
+    ///
+    /// # Errors
+    /// CGAL's exceptions.
+    pub fn new(
+        oracle: &'a Oracle<'a>,
+        bounds: &[f64; 6],
+        curves: &Curves,
+        criteria: &Criteria,
+    ) -> Result<Self, cxx::Exception> {
+        // SAFETY: C++ keeps a reference to the oracle, which outlives `Self`.
+        let refinement = unsafe {
+            bridge::new_refinement(oracle, bounds, curves.points, curves.ends, criteria)
+        }?;
+        Ok(Self { refinement, _oracle: oracle })
+    }
+
+    /// See the bridge.
+    ///
+    /// # Errors
+    /// CGAL's exceptions, and more vertices than allowed.
+    pub fn refine(&mut self, seeds: &[f64], sides: &[u32]) -> Result<Facets, cxx::Exception> {
+        self.refinement.pin_mut().refine(seeds, sides)
+    }
 }

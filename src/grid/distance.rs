@@ -37,8 +37,34 @@ pub fn band_around(
 ) -> LeafGrid {
     let vertices = in_voxels(lattice, vertices);
     let columns = Columns::new(&vertices, triangles);
-    let bins = Bins::new(&vertices, near);
-    let leaf = |at| band_leaf(&bins, &columns, at).map(|values| (at, values));
+    let bins = Bins::new(&vertices, near, HALF_WIDTH);
+    leaves_of(&bins, |at, distances| {
+        let mut inside = [[false; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE];
+        fill(&columns, at, &mut inside);
+        let nodes = distances.iter_mut().zip(inside.as_flattened());
+        nodes.filter(|(_, inside)| **inside).for_each(|(distance, _)| *distance = -*distance);
+    })
+}
+
+/// Distances to triangles on the nodes of a lattice: in voxels, cut off at
+/// `reach`. Leaves are those with a nearer node, sorted.
+pub fn distances(
+    lattice: &Lattice,
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+    reach: f64,
+) -> LeafGrid {
+    let vertices = in_voxels(lattice, vertices);
+    leaves_of(&Bins::new(&vertices, triangles, reach), |_, _| {})
+}
+
+/// The distances in all leaves that triangles reach, after `sign`.
+fn leaves_of(bins: &Bins, sign: impl Fn([i32; 3], &mut [f32]) + Sync) -> LeafGrid {
+    let leaf = |at| {
+        let mut distances = leaf_distances(bins, at)?;
+        sign(at, &mut distances);
+        Some((at, distances))
+    };
     let found: Vec<([i32; 3], Vec<f32>)> =
         bins.neighborhood().into_par_iter().filter_map(leaf).collect();
     let leaves: Vec<[i32; 3]> = found.iter().map(|(at, _)| *at).collect();
@@ -78,28 +104,24 @@ fn fill(columns: &Columns, at: [i32; 3], nodes: &mut [[bool; LEAF_SIDE]; LEAF_SI
     }
 }
 
-/// The values of a leaf, unless none is in the band.
-fn band_leaf(bins: &Bins, columns: &Columns, at: [i32; 3]) -> Option<Vec<f32>> {
-    let beyond = (HALF_WIDTH * HALF_WIDTH) as f32;
-    let mut squares = [[beyond; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE];
+/// The distances of a leaf's nodes, unless none is within reach.
+fn leaf_distances(bins: &Bins, at: [i32; 3]) -> Option<Vec<f32>> {
+    let reach = bins.reach as f32;
+    let mut squares = [[reach * reach; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE];
     for triangle in bins.near(at) {
-        nearest(&Triangle::new(triangle), &mut squares);
+        nearest(&Triangle::new(triangle), reach, &mut squares);
     }
-    if squares.as_flattened().iter().all(|&square| square >= beyond) {
-        return None;
-    }
-    let mut values: Vec<f32> = squares.as_flattened().iter().map(|square| square.sqrt()).collect();
-    let mut inside = [[false; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE];
-    fill(columns, at, &mut inside);
-    for (value, _) in values.iter_mut().zip(inside.as_flattened()).filter(|(_, inside)| **inside) {
-        *value = -*value;
-    }
-    Some(values)
+    let squares = squares.as_flattened();
+    let is_near = squares.iter().any(|&square| square < reach * reach);
+    is_near.then(|| squares.iter().map(|square| square.sqrt()).collect())
 }
 
 /// Lowers squared distances to those from a triangle, where it is near.
-fn nearest(triangle: &Triangle, squares: &mut [[f32; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE]) {
-    let reach = HALF_WIDTH as f32;
+fn nearest(
+    triangle: &Triangle,
+    reach: f32,
+    squares: &mut [[f32; LEAF_SIDE]; LEAF_SIDE * LEAF_SIDE],
+) {
     let nodes = |axis: usize| -> Range<usize> {
         let from = (triangle.min[axis] - reach).ceil().clamp(0.0, LEAF_SIDE as f32) as usize;
         let to = (triangle.max[axis] + reach).floor().clamp(-1.0, LEAF_SIDE as f32 - 1.0);
@@ -128,10 +150,12 @@ struct Bins<'a> {
     entries: Vec<([i32; 3], u32)>,
     /// Distinct leaves, sorted, each with the range of its entries.
     leaves: Vec<([i32; 3], Range<usize>)>,
+    /// How far from a triangle nodes are of interest, in voxels.
+    reach: f64,
 }
 
 impl<'a> Bins<'a> {
-    fn new(vertices: &'a [DVec3], triangles: &'a [[u32; 3]]) -> Self {
+    fn new(vertices: &'a [DVec3], triangles: &'a [[u32; 3]], reach: f64) -> Self {
         let mut entries: Vec<([i32; 3], u32)> = triangles
             .par_iter()
             .enumerate()
@@ -153,7 +177,7 @@ impl<'a> Bins<'a> {
                 (chunk[0].0, range)
             })
             .collect();
-        Self { vertices, triangles, entries, leaves }
+        Self { vertices, triangles, entries, leaves, reach }
     }
 
     /// All leaves in or next to which there are triangles, sorted.
@@ -172,12 +196,12 @@ impl<'a> Bins<'a> {
         let entries =
             around(at).filter_map(bin).flat_map(|bin| &self.entries[self.leaves[bin].1.clone()]);
         let first = first_node(at);
-        let last = DVec3::splat(LEAF_SIDE as f64 - 1.0 + HALF_WIDTH);
+        let last = DVec3::splat(LEAF_SIDE as f64 - 1.0 + self.reach);
         entries.filter_map(move |&(leaf, triangle)| {
             let corners = self.triangles[triangle as usize].map(|v| self.vertices[v as usize]);
             let local = corners.map(|corner| corner - first);
             let [min, max] = box_of(local);
-            if max.cmplt(DVec3::splat(-HALF_WIDTH)).any() || min.cmpgt(last).any() {
+            if max.cmplt(DVec3::splat(-self.reach)).any() || min.cmpgt(last).any() {
                 return None;
             }
             let [from, to] = leaf_range(corners);

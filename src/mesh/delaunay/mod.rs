@@ -38,6 +38,8 @@ mod oracle;
 mod pinches;
 mod seeds;
 
+use std::collections::HashSet;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -45,15 +47,13 @@ use super::caps::CAP_TOLERANCE;
 use super::nearest::{Nearest, flat};
 use super::{Mesh, back_and_front};
 use crate::error::{Error, Result};
-use crate::ffi::delaunay::{self as ffi, Criteria, Facets, Features};
+use crate::ffi::delaunay::{self as ffi, Criteria, Curves, Facets, Refinement};
 use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
 use crate::progress::Progress;
 use oracle::Oracle;
 use seeds::Seed;
 
-/// How far apart seeds are, in facet sizes.
-const SEED_SPACING: f64 = 1.0;
 /// The longest edge along a curve, in facet sizes.
 const CURVE_EDGE: f64 = 1.0;
 /// Facets smaller than this are not refined, in voxels.
@@ -126,58 +126,71 @@ fn complete(
     dims: [i32; 3],
     options: &Options,
 ) -> Result<Mesh> {
-    let criteria = criteria(dual, options)?;
-    let mut seeds = seeds::seeds(dual, oracle, SEED_SPACING * options.size);
+    let label_at = |point: [f64; 3]| oracle.label_at(point).0;
+    let asked = ffi::Oracle(&label_at);
+    let mut refinement = begun(&asked, curves, dims, &criteria(dual, options)?)?;
+    let mut seeds = seeds::seeds(dual, oracle, options.size, options.distance);
+    // More vertices bring a surface nearer and nothing away from it, so only
+    // those that were far are looked at again.
+    let mut far: Vec<usize> = (0..dual.vertices.len()).collect();
+    let mut given = HashSet::new();
     let mut round = 1;
     loop {
-        let facets = refined(&seeds, curves, oracle, dims, &criteria)?;
+        let facets = refined(&mut refinement, &seeds)?;
         let mut mesh = network(&facets);
-        let far = far_vertices(dual, &mesh)?;
-        if round == ROUNDS || (far.is_empty() && facets.rings.is_empty()) {
+        given.extend(seeds.iter().map(Seed::key));
+        far = far_vertices(dual, &mesh, far)?;
+        seeds = seeds::near(dual, oracle, &far);
+        seeds.extend(pinches::seeds(&mesh, &facets.rings, oracle));
+        // A seed that was given before is there, or in the ball of a vertex on
+        // a curve, where it may not be.
+        seeds.retain(|seed| !given.contains(&seed.key()));
+        if round == ROUNDS || seeds.is_empty() {
             pinches::split(&mut mesh, &facets.rings);
             return Ok(mesh);
         }
-        seeds.extend(seeds::near(dual, oracle, &far));
-        seeds.extend(pinches::seeds(&mesh, &facets.rings, oracle));
         round += 1;
     }
 }
 
-/// The vertices of the dual mesh that are further than [`FAR`] from a mesh.
-fn far_vertices(dual: &Mesh, mesh: &Mesh) -> Result<Vec<usize>> {
+/// Those of some vertices of the dual mesh that are further than [`FAR`] from
+/// a mesh.
+fn far_vertices(dual: &Mesh, mesh: &Mesh, vertices: Vec<usize>) -> Result<Vec<usize>> {
     if mesh.triangles.is_empty() {
-        return Ok((0..dual.vertices.len()).collect());
+        return Ok(vertices);
     }
-    let distances = Nearest::on_mesh(mesh)?.distances(&dual.vertices)?;
-    let far = distances.iter().enumerate().filter(|&(_, &distance)| distance > FAR);
+    let points: Vec<DVec3> = vertices.iter().map(|&vertex| dual.vertices[vertex]).collect();
+    let distances = Nearest::on_mesh(mesh)?.distances(&points)?;
+    let far = vertices.into_iter().zip(distances).filter(|&(_, distance)| distance > FAR);
     Ok(far.map(|(vertex, _)| vertex).collect())
 }
 
-fn refined(
-    seeds: &[Seed],
+/// With the curves, before any seed.
+fn begun<'a>(
+    oracle: &'a ffi::Oracle<'a>,
     curves: &[Vec<DVec3>],
-    oracle: &Oracle,
     dims: [i32; 3],
     criteria: &Criteria,
-) -> Result<Facets> {
-    let points: Vec<DVec3> = seeds.iter().map(|seed| seed.point).collect();
+) -> Result<Refinement<'a>> {
     let ends = curves.iter().scan(0, |end, curve| {
         *end += curve.len() as u32;
         Some(*end)
     });
-    let features = Features {
-        seeds: &flat(&points),
-        seed_sides: &seeds
-            .iter()
-            .flat_map(|seed| seed.sides.map(|side| side.0))
-            .collect::<Vec<_>>(),
-        curve_points: &flat(&curves.concat()),
-        curve_ends: &ends.collect::<Vec<_>>(),
-    };
-    let label_at = |point: [f64; 3]| oracle.label_at(point).0;
+    let (points, ends): (_, Vec<u32>) = (flat(&curves.concat()), ends.collect());
     let [x, y, z] = dims.map(|nodes| f64::from(nodes - 1));
-    ffi::refine(&ffi::Oracle(&label_at), &[0.0, 0.0, 0.0, x, y, z], &features, criteria)
-        .map_err(|exception| Error::library("delaunay mesher", &exception))
+    let curves = Curves { points: &points, ends: &ends };
+    Refinement::new(oracle, &[0.0, 0.0, 0.0, x, y, z], &curves, criteria).map_err(refused)
+}
+
+/// After more seeds.
+fn refined(refinement: &mut Refinement, seeds: &[Seed]) -> Result<Facets> {
+    let points: Vec<DVec3> = seeds.iter().map(|seed| seed.point).collect();
+    let sides: Vec<u32> = seeds.iter().flat_map(|seed| seed.sides.map(|side| side.0)).collect();
+    refinement.refine(&flat(&points), &sides).map_err(refused)
+}
+
+fn refused(exception: cxx::Exception) -> Error {
+    Error::library("delaunay mesher", &exception)
 }
 
 /// # Errors

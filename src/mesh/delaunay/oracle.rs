@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::grid::distance::{HALF_WIDTH, narrow_band};
+use crate::grid::distance::distances;
 use crate::grid::leaf_grid::LeafGrid;
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples};
 use crate::label::Label;
@@ -31,6 +31,9 @@ use crate::plane::Bounds;
 
 /// The least distance to the surface of a node in something thin, in voxels.
 const THIN: f32 = 0.25;
+/// How far distances are known, in voxels: to what passes through a cell, its
+/// corners have no longer ones.
+const REACH: f64 = 1.75;
 
 /// The label of every point. Nothing in it changes once it is made.
 pub struct Oracle {
@@ -90,18 +93,23 @@ impl Oracle {
         if self.open.is_some_and(|open| !open.contains(DVec3::from_array(point))) {
             return Label::OUTSIDE;
         }
-        let cell = point.map(f64::floor);
-        let at = cell.map(|node| (node / LEAF_SIDE as f64).floor());
-        if (0..3).any(|axis| !(0.0..f64::from(self.dims[axis])).contains(&at[axis])) {
+        if point.iter().any(|&coordinate| coordinate.is_nan() || coordinate < 0.0) {
+            return Label::OUTSIDE;
+        }
+        // Truncation is the floor, and no call to a library.
+        let cell = point.map(|coordinate| coordinate as usize);
+        let at = cell.map(|node| node / LEAF_SIDE);
+        if (0..3).any(|axis| at[axis] >= self.dims[axis] as usize) {
             return Label::OUTSIDE;
         }
         let [_, y, z] = self.dims.map(|side| side as usize);
-        let place = (at[0] as usize * y + at[1] as usize) * z + at[2] as usize;
+        let place = (at[0] * y + at[1]) * z + at[2];
         match &self.blocks[place] {
             Block::Uniform(label) => *label,
             Block::Mixed(cells) => {
-                let node = std::array::from_fn(|axis| cell[axis] as usize % LEAF_SIDE);
-                cells.label_at(node, std::array::from_fn(|axis| point[axis] - cell[axis]))
+                let node = cell.map(|node| node % LEAF_SIDE);
+                let fraction = std::array::from_fn(|axis| point[axis] - cell[axis] as f64);
+                cells.label_at(node, fraction)
             }
         }
     }
@@ -182,14 +190,14 @@ impl<'a> Borders<'a> {
         labels.push(Label::OUTSIDE);
         let band = |label| {
             let triangles = dual.triangles_around(|side| side == label);
-            narrow_band(&samples.lattice, &dual.vertices, &triangles)
+            distances(&samples.lattice, &dual.vertices, &triangles, REACH)
         };
         let of = labels.into_iter().map(|label| (label, band(label))).collect();
         Self { samples, leaves, of }
     }
 
-    /// The distance, in voxels, of a node to the boundary of a label; where it
-    /// is beyond the band, the band's width.
+    /// The distance, in voxels, of a node to the boundary of a label, up to
+    /// [`REACH`].
     fn distance(&self, label: Label, at: [i32; 3], node: [usize; 3]) -> f32 {
         let mut node: [i32; 3] =
             std::array::from_fn(|axis| at[axis] * LEAF_SIDE as i32 + node[axis] as i32);
@@ -198,7 +206,7 @@ impl<'a> Borders<'a> {
         }
         let found = self.of.get(&label).and_then(|band| band.value(node));
         let least = if self.is_thin(node) { THIN } else { 0.0 };
-        found.map_or(HALF_WIDTH as f32, f32::abs).max(least)
+        found.unwrap_or(REACH as f32).max(least)
     }
 
     /// Whether a node lies between two of other labels.

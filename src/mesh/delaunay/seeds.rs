@@ -26,20 +26,35 @@ pub struct Seed {
     pub sides: [Label; 2],
 }
 
+impl Seed {
+    /// The same for the same point.
+    pub fn key(&self) -> [u64; 3] {
+        self.point.to_array().map(f64::to_bits)
+    }
+}
+
 /// Points where lattice edges cross the oracle's surface, near vertices of
-/// the dual mesh (in lattice units) of which no two of one piece are nearer
-/// than `spacing`.
-pub fn seeds(dual: &Mesh, oracle: &Oracle, spacing: f64) -> Vec<Seed> {
+/// the dual mesh (in lattice units). No two of one piece are nearer than the
+/// largest triangles may be there: `size`, or less where the surface bends, so
+/// that they are nowhere further than `distance` from it. As many as can be are
+/// taken here, since every other one costs a step of refinement.
+pub fn seeds(dual: &Mesh, oracle: &Oracle, size: f64, distance: f64) -> Vec<Seed> {
     let sides = sides(dual);
+    let bend = curvatures(dual);
     let mut taken: HashMap<(IVec3, u32), Vec<DVec3>> = HashMap::new();
     let mut seeds = Vec::new();
-    for (vertex, (piece, size)) in pieces(dual).into_iter().enumerate() {
+    for (vertex, (piece, length)) in pieces(dual).into_iter().enumerate() {
         let (point, Some(sides)) = (dual.vertices[vertex], sides[vertex]) else { continue };
-        if size <= SMALL {
+        if length <= SMALL {
             seeds.extend(crossings(point, sides, oracle));
             continue;
         }
-        let bin = (point / spacing).floor().as_ivec3();
+        // A triangle whose corners are r from its centre is κ r² / 2 from a
+        // surface of curvature κ. Twice that distance is let pass, since single
+        // edges bend more than the surface does: so the fewest vertices are
+        // needed in the end.
+        let spacing = (4.0 * distance / bend[vertex]).sqrt().min(size);
+        let bin = (point / size).floor().as_ivec3();
         let near = |bin: IVec3| taken.get(&(bin, piece)).into_iter().flatten();
         if !around(bin).flat_map(near).any(|other| other.distance(point) < spacing) {
             taken.entry((bin, piece)).or_default().push(point);
@@ -82,6 +97,32 @@ pub fn crossings(point: DVec3, sides: [Label; 2], oracle: &Oracle) -> impl Itera
         }
         Some(Seed { point: ends[0].midpoint(ends[1]), sides })
     })
+}
+
+/// The curvature of a mesh at every vertex: by how much its edges leave the
+/// plane across the mean normal, as a root mean square.
+fn curvatures(mesh: &Mesh) -> Vec<f64> {
+    let mut normals = vec![DVec3::ZERO; mesh.vertices.len()];
+    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = mesh.corners(triangle);
+        corners.iter().for_each(|&corner| normals[corner as usize] += (b - a).cross(c - a));
+    }
+    let mut sums = vec![(0.0, 0.0); mesh.vertices.len()];
+    for &[a, b, c] in &mesh.triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let along = mesh.vertices[to as usize] - mesh.vertices[from as usize];
+            let length = along.length_squared();
+            if length == 0.0 {
+                continue;
+            }
+            for vertex in [from, to] {
+                let normal = normals[vertex as usize].normalize_or_zero();
+                let sum: &mut (f64, f64) = &mut sums[vertex as usize];
+                *sum = (sum.0 + (2.0 * normal.dot(along) / length).powi(2), sum.1 + 1.0);
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, count)| f64::sqrt(sum / f64::max(count, 1.0))).collect()
 }
 
 /// A bin and its neighbours.
