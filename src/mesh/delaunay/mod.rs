@@ -36,6 +36,7 @@
 mod curves;
 mod oracle;
 mod pinches;
+mod saddles;
 mod seeds;
 
 use std::collections::HashSet;

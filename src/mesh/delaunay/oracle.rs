@@ -12,6 +12,8 @@
 //! the dual mesh may squeeze to nothing; there |d_l| is at least [`THIN`], so
 //! that what is left of it can be sampled.
 //!
+//! What is connected across a face is as in the dual mesh (`saddles`).
+//!
 //! An open box is cut out of what would be there without it: the dual mesh has
 //! no caps, and nodes beyond the box have the labels and distances of the
 //! nearest ones inside, as in the samples.
@@ -21,11 +23,13 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::saddles::Factors;
 use crate::grid::distance::distances;
 use crate::grid::leaf_grid::LeafGrid;
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples};
 use crate::label::Label;
 use crate::mesh::Mesh;
+use crate::mesh::dual::block::corner_nodes;
 use crate::mesh::dual::patch::{Leaves, Patch};
 use crate::plane::Bounds;
 
@@ -70,13 +74,17 @@ impl Oracle {
     pub fn new(samples: &Samples, dual: &Mesh) -> Self {
         let leaves = Leaves::new(samples);
         let borders = Borders::new(samples, &leaves, dual);
+        let factors = Factors::new(&leaves, &borders);
         let blocks = (0..leaves.count())
             .into_par_iter()
             .map(|place| match Patch::gather(&leaves, leaves.at(place)) {
                 None => Block::Uniform(samples.tiles[place]),
-                Some(patch) => {
-                    Block::Mixed(Cells::new(&patch.extended(), leaves.at(place), &borders))
-                }
+                Some(patch) => Block::Mixed(Cells::new(
+                    &patch.extended(),
+                    leaves.at(place),
+                    &borders,
+                    &factors,
+                )),
             })
             .collect();
         let Lattice { origin, voxel, .. } = samples.lattice;
@@ -116,14 +124,14 @@ impl Oracle {
 }
 
 impl Cells {
-    fn new(patch: &Patch, at: [i32; 3], borders: &Borders) -> Self {
+    fn new(patch: &Patch, at: [i32; 3], borders: &Borders, factors: &Factors) -> Self {
         let mut cells = Self { labels: vec![], first: vec![0], parts: vec![] };
         for cell in 0..LEAF_NODES {
             let corners = corners(cell);
             for label in cell_labels(patch, cell) {
                 let distances = corners.map(|corner| {
                     let sign = if patch.label(corner) == label { -1.0 } else { 1.0 };
-                    sign * borders.distance(label, at, corner)
+                    sign * borders.distance(label, at, corner) * factors.at(global(at, corner))
                 });
                 cells.parts.push(Part { label, distances });
             }
@@ -159,10 +167,14 @@ impl Part {
     }
 }
 
+/// A node of a leaf, on the lattice.
+pub fn global(at: [i32; 3], node: [usize; 3]) -> [i32; 3] {
+    std::array::from_fn(|axis| at[axis] * LEAF_SIDE as i32 + node[axis] as i32)
+}
+
 /// The nodes of a cell, as offsets in its leaf.
 fn corners(cell: usize) -> [[usize; 3]; 8] {
-    let [x, y, z] = [cell / 64, cell / 8 % 8, cell % 8];
-    std::array::from_fn(|corner| [x + corner / 4, y + corner / 2 % 2, z + corner % 2])
+    corner_nodes([cell / 64, cell / 8 % 8, cell % 8])
 }
 
 /// The labels at a cell's nodes, sorted; none where there is only one.
@@ -178,7 +190,7 @@ fn cell_labels(patch: &Patch, cell: usize) -> Vec<Label> {
 }
 
 /// Distances to the boundary of every label in the dual mesh.
-struct Borders<'a> {
+pub struct Borders<'a> {
     samples: &'a Samples,
     leaves: &'a Leaves<'a>,
     of: BTreeMap<Label, LeafGrid>,
@@ -198,9 +210,8 @@ impl<'a> Borders<'a> {
 
     /// The distance, in voxels, of a node to the boundary of a label, up to
     /// [`REACH`].
-    fn distance(&self, label: Label, at: [i32; 3], node: [usize; 3]) -> f32 {
-        let mut node: [i32; 3] =
-            std::array::from_fn(|axis| at[axis] * LEAF_SIDE as i32 + node[axis] as i32);
+    pub fn distance(&self, label: Label, at: [i32; 3], node: [usize; 3]) -> f32 {
+        let mut node = global(at, node);
         if self.samples.open.is_some() {
             node = self.samples.lattice.nearest_inner(node);
         }

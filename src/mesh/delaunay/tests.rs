@@ -225,3 +225,23 @@ fn two_materials_fill_an_open_box_to_its_corners() {
     assert!((caps / (8.0 + 4.0 * 3.26) - 1.0).abs() < 1e-9, "{caps}");
     assert!((rest / (2.0 * 1.09f64.sqrt() * 1.63) - 1.0).abs() < 1e-2, "{rest}");
 }
+
+/// Two samples that touch along a lattice face's diagonal only, which the
+/// samples say is bridged, and two that are said not to be.
+#[test]
+fn what_is_connected_across_a_face_is_as_in_the_dual_mesh() {
+    for (lead, away, pieces) in [(0.9, 0.2, 1), (0.2, 0.9, 2)] {
+        let lattice = Lattice { origin: DVec3::ZERO, voxel: 1.0, dims: [16; 3] };
+        let samples = samples(lattice, |node| {
+            let [x, y, z] = node.map(|at| at - 8);
+            let is_inside = [0, 1].map(|step| [step; 2]).contains(&[x, y]) && z.abs() <= 1;
+            vec![if is_inside { lead } else { -away }]
+        });
+        let dual = crate::mesh::dual(&samples, &Silent).unwrap();
+        let components = |mesh: &Mesh| mesh.surface(Label(1)).facts(true).unwrap().components;
+        assert_eq!(components(&dual), pieces);
+        let mesh = delaunay(&samples, &Options::default(), &Silent).unwrap();
+        assert_sound(&mesh);
+        assert_eq!(components(&mesh), pieces);
+    }
+}

@@ -150,13 +150,15 @@ pub fn is_pinched(pieces: &Pieces, face_edges: [usize; 4]) -> bool {
     pieces.of_edge[face_edges[0]] == pieces.of_edge[face_edges[2]]
 }
 
-fn corner_nodes(node: [usize; 3]) -> [[usize; 3]; 8] {
+/// The corners of a cell from its first node.
+pub fn corner_nodes(node: [usize; 3]) -> [[usize; 3]; 8] {
     std::array::from_fn(|corner| {
         [node[0] + corner / 4, node[1] + corner / 2 % 2, node[2] + corner % 2]
     })
 }
 
-fn face_links(patch: &Patch, node: [usize; 3], labels: &[Label; 8], face: usize) -> Links {
+/// The links in a face of a cell with these labels at its corners.
+pub fn face_links(patch: &Patch, node: [usize; 3], labels: &[Label; 8], face: usize) -> Links {
     let corners = FACE_CORNERS[face];
     Links::of(corners.map(|corner| labels[corner]), || {
         // The lead of the even corners' label over the odd corners' has a

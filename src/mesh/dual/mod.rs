@@ -54,7 +54,7 @@
 //! A vertex may still be shared by
 //! two sheets of one label; [`Mesh::surface`] gives each its own.
 
-mod block;
+pub(super) mod block;
 mod border;
 pub(super) mod cell;
 pub(super) mod patch;
