@@ -2,8 +2,8 @@
 //! to a text file; every `src/ffi/NAME.rs` bridge is compiled with its
 //! `cpp/NAME.cc`.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{env, fs};
 
 fn main() {
     let bridges = files_with("src/ffi", "rs")
@@ -21,9 +21,12 @@ fn main() {
         .flag_if_supported("-frounding-math") // CGAL's interval arithmetic needs it
         .flag_if_supported("-Wno-deprecated-declarations")
         .opt_level(2)
-        .define("NDEBUG", None)
         .warnings(false)
         .debug(false); // CGAL's templates make for a gigabyte of it
+    // CGAL's assertions, and ours: for tests.
+    if env::var_os("CARGO_FEATURE_ASSERTIONS").is_none() {
+        build.define("NDEBUG", None);
+    }
     for definition in values(&flags, "define") {
         let (name, value) = match definition.split_once('=') {
             Some((name, value)) => (name, Some(value)),
