@@ -129,7 +129,7 @@ impl Model {
 ///
 /// # Errors
 /// When there is no contour, or nothing known at all.
-fn bounds_of(sections: &Sections) -> Result<Bounds> {
+pub(crate) fn bounds_of(sections: &Sections) -> Result<Bounds> {
     sections.require_known()?;
     let what = "there is nothing to reconstruct: no section has a contour";
     sections.space().ok_or_else(|| Error::Option(what.to_owned()))
@@ -193,16 +193,7 @@ impl Ground<'_> {
         let Self { sections, bounds, lattice } = self;
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let sections = capping.sections.as_ref();
-        let arrangement = stages.run("arrangement", |counts| {
-            progress.begin("arrangement", 0);
-            let arrangement = Arrangement::new(sections, *bounds, method.border)?;
-            let sound = arrangement.sanity_check();
-            sound.map_err(|what| Error::Bug { stage: "arrangement", what })?;
-            counts.insert("planes".into(), sections.len() as u64);
-            counts.insert("faces".into(), arrangement.faces().len() as u64);
-            counts.insert("cells".into(), arrangement.cells().len() as u64);
-            Ok(arrangement)
-        })?;
+        let arrangement = arranged(sections, *bounds, method.border, stages, progress)?;
         let boundaries = stages.run("completion", |counts| {
             progress.begin("completion", 0);
             let clearance = CLEARANCE * lattice.voxel;
@@ -304,6 +295,29 @@ impl Ground<'_> {
         let (device, exact) = ("exact arithmetic".to_owned(), Some(made.details));
         Ok(Derived { arrangement: None, samples, mesh: made.mesh, device, exact })
     }
+}
+
+/// The cells between sections, as a stage of its own.
+///
+/// # Errors
+/// CGAL's exceptions, and what its check finds wrong.
+pub(crate) fn arranged(
+    sections: &[Section],
+    bounds: Bounds,
+    border: Label,
+    stages: &mut Stages,
+    progress: &dyn Progress,
+) -> Result<Arrangement> {
+    stages.run("arrangement", |counts| {
+        progress.begin("arrangement", 0);
+        let arrangement = Arrangement::new(sections, bounds, border)?;
+        let sound = arrangement.sanity_check();
+        sound.map_err(|what| Error::Bug { stage: "arrangement", what })?;
+        counts.insert("planes".into(), sections.len() as u64);
+        counts.insert("faces".into(), arrangement.faces().len() as u64);
+        counts.insert("cells".into(), arrangement.cells().len() as u64);
+        Ok(arrangement)
+    })
 }
 
 /// The surface of samples.

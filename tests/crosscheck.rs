@@ -102,6 +102,20 @@ fn volumes_hold_both_labels_and_where_they_differ() {
 }
 
 #[test]
+fn the_variational_field_is_held_against_the_skeleton_where_asked_for() {
+    let folder = folder();
+    let more = ["--method", "variational", "--json"];
+    let output = crosscheck(folder.path(), &organs(), &["c.png"], &[QUICK, &more].concat());
+    assert_done(&output);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(report["method"], "variational");
+    assert!(report["points"].is_null(), "{}", report["points"]);
+    assert!(report["agreement"]["share"].as_f64() > Some(0.9), "{}", report["agreement"]);
+    assert!(report["pairing"]["cells"].as_u64() > Some(0), "{}", report["pairing"]);
+    assert!(stderr(&output).contains("known of --method mvc alone"), "{}", stderr(&output));
+}
+
+#[test]
 fn the_same_bytes_come_out_for_any_number_of_threads() {
     let names = ["c.vdb", "c.png"];
     let (one, four) = (folder(), folder());

@@ -309,6 +309,9 @@ pub struct CrosscheckArguments {
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
+    /// Which field is held against the exact reconstruction; where the two must agree is known of mvc alone
+    #[arg(long, value_enum, default_value_t = FieldName::Mvc)]
+    pub method: FieldName,
     /// A mesh to hold our surface against: .ply, .obj, .stl, .off
     #[arg(long, value_name = "MESH")]
     pub against: Option<PathBuf>,
@@ -330,7 +333,7 @@ pub struct CrosscheckArguments {
     pub seed: u64,
     #[command(flatten)]
     pub grid: GridArguments,
-    /// How finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
+    /// With --method mvc: how finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
     #[arg(long, value_name = "H", value_parser = positive)]
     pub spacing: Option<f64>,
     /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it
@@ -365,6 +368,13 @@ impl MethodName {
             Self::Skeleton => "skeleton",
         }
     }
+}
+
+/// The methods that make a field on a grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FieldName {
+    Mvc,
+    Variational,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

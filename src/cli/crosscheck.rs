@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
-use super::args::{CrosscheckArguments, MesherName};
+use super::args::{CrosscheckArguments, FieldName, MesherName};
 use super::bars::Watcher;
-use super::targets::{Kind, Target};
+use super::targets::{self, Target};
 use super::{print, print_warnings, table, write_json};
-use crate::crosscheck::{Findings, Options, Other, crosscheck};
+use crate::crosscheck::{Findings, Kind, Options, Other, crosscheck};
 use crate::error::{Error, Result};
 use crate::io::mesh::read_mesh;
 use crate::io::vdb::{self, DifferenceContents};
@@ -44,7 +44,7 @@ pub fn run(arguments: &CrosscheckArguments) -> Result<()> {
     for (path, kind) in arguments.output.iter().zip(targets) {
         watcher.progress().begin(kind.stage(), 0);
         match kind {
-            Kind::Vdb => write_volumes(&mut outputs, path, &findings)?,
+            targets::Kind::Vdb => write_volumes(&mut outputs, path, &findings)?,
             _ => write_picture(&mut outputs, path, &findings)?,
         }
     }
@@ -63,9 +63,9 @@ pub fn run(arguments: &CrosscheckArguments) -> Result<()> {
 }
 
 /// What an output's name asks for.
-fn target(path: &Path) -> Result<Kind> {
+fn target(path: &Path) -> Result<targets::Kind> {
     match Target::new(path)?.kind {
-        Kind::Mesh(_) => Err(Error::file(
+        targets::Kind::Mesh(_) => Err(Error::file(
             path,
             "a cross-check writes no surfaces, only .vdb and .png: use `transect reconstruct`",
         )),
@@ -76,6 +76,10 @@ fn target(path: &Path) -> Result<Kind> {
 fn options(arguments: &CrosscheckArguments) -> Options {
     let delaunay = arguments.meshers.contains(&MesherName::Delaunay);
     Options {
+        field: match arguments.method {
+            FieldName::Mvc => Kind::MeanValue,
+            FieldName::Variational => Kind::Variational,
+        },
         resolution: arguments.grid.resolution(),
         device: arguments.device.into(),
         border: arguments.border.into(),

@@ -7,8 +7,9 @@
 //!            └► oracle ─► samples ╎   skeleton (exact) ────┘
 //! ```
 //!
-//! The field is not smoothed: that the two must agree somewhere holds for it as
-//! it is alone.
+//! The field is the mean-value indicator or the variational one. The indicator
+//! is not smoothed: that the two must agree somewhere holds for it as it is, and
+//! for no other field.
 
 mod against;
 mod agreement;
@@ -34,23 +35,37 @@ pub use parts::positions;
 pub use report::{Crosscheck, Distances, Found, SkeletonReport};
 pub use solids::{LabelSolids, Solid};
 
-use crate::arrangement::Arrangement;
 use crate::change::Change;
 use crate::error::{Error, Result};
 use crate::field::Device;
 use crate::grid::lattice::Resolution;
 use crate::label::Label;
 use crate::mesh::{Mesh, delaunay};
-use crate::method::{Caps, MeanValue, Mesher, Method};
+use crate::method::{Caps, MeanValue, Mesher, Method, Variational};
 use crate::model::{self, Derived, Model};
 use crate::progress::Progress;
 use crate::section::{Rules, Sections};
 use crate::stage::Stages;
+use serde::Serialize;
 use work::{Compared, Work};
+
+/// Which field is held against the skeleton.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// The mean-value indicator, not smoothed ([`MeanValue`]).
+    #[default]
+    #[serde(rename = "mvc")]
+    MeanValue,
+    /// The smoothest field through the contours ([`Variational`]).
+    Variational,
+}
 
 /// How the two reconstructions are made and compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
+    /// The field.
+    pub field: Kind,
     /// How fine the grid is.
     pub resolution: Resolution,
     /// Where the field is evaluated.
@@ -72,7 +87,8 @@ impl Default for Options {
         let MeanValue { device, border, spacing, .. } = MeanValue::default();
         let resolution = model::Options::default().resolution;
         let delaunay = Some(delaunay::Options::default());
-        Self { resolution, device, border, spacing, points: 100_000, seed: 0, delaunay }
+        let (field, points, seed) = (Kind::default(), 100_000, 0);
+        Self { field, resolution, device, border, spacing, points, seed, delaunay }
     }
 }
 
@@ -111,12 +127,13 @@ impl Findings {
     /// # Errors
     /// Where some do not: the first of them.
     pub fn verdict(&self) -> Result<()> {
-        let Some(first) = self.report.found.points.first.first() else { return Ok(()) };
+        let Some(points) = &self.report.found.points else { return Ok(()) };
+        let Some(first) = points.first.first() else { return Ok(()) };
         let [x, y, z] = first.at;
         let what = format!(
             "at {} points the field and the skeleton must agree and do not; at ({x}, {y}, {z}) \
              the field says {}, the skeleton {}",
-            self.report.found.points.violations,
+            points.violations,
             Label(first.field),
             Label(first.skeleton)
         );
@@ -140,24 +157,30 @@ pub fn crosscheck(
     model.apply(Change::Add(sections), rules, stages, progress)?;
     let compared = Work { model: &model, options, progress }.compare(other, stages)?;
     let Compared { found, skeleton, pair, differing, depths, distances } = compared;
-    let report = Crosscheck::new(&model, found, stages)?;
+    let report = Crosscheck::new(&model, options.field, found, stages)?;
     Ok(Findings { report, model, skeleton, pair, differing, depths, distances })
 }
 
-/// The field as it is: not smoothed, and meshed by dual contouring.
+/// The field as it is, and meshed by dual contouring.
 fn model_options(options: &Options) -> model::Options {
-    let Options { resolution, device, border, spacing, .. } = *options;
+    let Options { field, resolution, device, border, spacing, .. } = *options;
     let (caps, mesher) = (Caps::Rounded, Mesher::Dual);
-    let method = MeanValue { smooth: 0.0, border, caps, device, spacing, mesher };
-    model::Options { method: Method::MeanValue(method), resolution }
+    let method = match field {
+        Kind::MeanValue => {
+            Method::MeanValue(MeanValue { smooth: 0.0, border, caps, device, spacing, mesher })
+        }
+        Kind::Variational => Method::Variational(Variational {
+            border,
+            caps,
+            device,
+            mesher,
+            ..Variational::default()
+        }),
+    };
+    model::Options { method, resolution }
 }
 
 fn derived(model: &Model) -> Result<&Derived> {
     let what = || Error::Bug { stage: "model", what: "nothing was derived".to_owned() };
     model.derived().ok_or_else(what)
-}
-
-fn arrangement(derived: &Derived) -> Result<&Arrangement> {
-    let what = || Error::Bug { stage: "model", what: "the field has no cells".to_owned() };
-    derived.arrangement.as_ref().ok_or_else(what)
 }

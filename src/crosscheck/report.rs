@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use super::Kind;
 use super::against::Against;
 use super::agreement::Agreement;
 use super::certain::Points;
@@ -40,6 +41,8 @@ pub struct Crosscheck {
     pub frame: String,
     /// The names of the materials, by number.
     pub materials: Vec<Material>,
+    /// Which field it is.
+    pub method: Kind,
     /// What evaluated the field.
     pub device: String,
     /// The grid's nodes along each axis.
@@ -71,8 +74,9 @@ pub struct Found {
     pub skeleton: SkeletonReport,
     /// The labels of the lattice's nodes.
     pub agreement: Agreement,
-    /// Random points, and where the two must agree.
-    pub points: Points,
+    /// Random points, and where the two must agree; none where that is not
+    /// known of the field.
+    pub points: Option<Points>,
     /// Connected parts of the lattice in which they differ.
     pub part_count: usize,
     /// The deepest of them.
@@ -118,7 +122,7 @@ impl Crosscheck {
     ///
     /// # Errors
     /// When nothing was derived.
-    pub fn new(model: &Model, found: Found, stages: &Stages) -> Result<Self> {
+    pub fn new(model: &Model, method: Kind, found: Found, stages: &Stages) -> Result<Self> {
         let derived = super::derived(model)?;
         let sections = model.sections();
         Ok(Self {
@@ -130,6 +134,7 @@ impl Crosscheck {
             units: sections.units.clone(),
             frame: sections.frame.clone(),
             materials: sections.materials.clone(),
+            method,
             device: derived.device.clone(),
             nodes: derived.samples.lattice.dims,
             voxel: derived.samples.lattice.voxel,

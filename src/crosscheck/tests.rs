@@ -40,7 +40,8 @@ fn a_prism_is_joined_by_both() {
     let findings = check(vec![rectangle(-0.1, square), rectangle(0.1, square)], 80);
     let found = &findings.report.found;
     findings.verdict().unwrap();
-    assert!(found.points.must_agree > 100, "{}", found.points.must_agree);
+    let points = found.points.as_ref().unwrap();
+    assert!(points.must_agree > 100, "{}", points.must_agree);
     // Between the planes, and the two slabs beyond.
     assert_eq!((found.pairing.cells, found.pairing.differ), (3, 0));
     assert_eq!(found.pairing.differences, []);
@@ -147,7 +148,7 @@ fn a_wrong_reference_is_a_violation() {
     assert!(violation.rho < 0.02 && violation.alpha > 10.0, "{violation:?}");
     assert!(f64::from(violation.value) < -0.9 && violation.reference < -0.9, "{violation:?}");
     let mut findings = findings;
-    findings.report.found.points = found;
+    findings.report.found.points = Some(found);
     let error = findings.verdict().unwrap_err().to_string();
     assert!(error.contains("0.101") && error.contains("bug"), "{error}");
 }

@@ -11,16 +11,16 @@ use super::pairing::{Pairing, pairing};
 use super::parts::{parts, positions};
 use super::report::{Distances, Found, SkeletonReport};
 use super::solids::{LabelSolids, solids};
-use super::{Options, arrangement, derived};
+use super::{Kind, Options, derived};
 use crate::arrangement::Arrangement;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
 use crate::grid::evidence::Evidence;
 use crate::grid::labels::LabelGrid;
 use crate::label::Label;
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::{Mesh, dual};
-use crate::model::{CLEARANCE, Derived, Model};
+use crate::model::{CLEARANCE, Derived, Model, arranged, bounds_of};
 use crate::oracle::Oracle;
 use crate::plane::Bounds;
 use crate::progress::Progress;
@@ -61,7 +61,6 @@ struct Surfaces<'a> {
 struct Base<'a> {
     derived: &'a Derived,
     arrangement: &'a Arrangement,
-    boundaries: &'a Boundaries<'a>,
     oracle: &'a Oracle<'a>,
 }
 
@@ -72,12 +71,17 @@ impl Work<'_> {
     /// Those of the stages.
     pub fn compare(&self, other: Option<&Other>, stages: &mut Stages) -> Result<Compared> {
         let derived = derived(self.model)?;
-        let arrangement = arrangement(derived)?;
-        let clearance = CLEARANCE * derived.samples.lattice.voxel;
-        let boundaries = Boundaries::new(arrangement, clearance, self.options.spacing)?;
-        let bounds = arrangement.bounds();
+        let bounds = bounds_of(self.model.sections())?;
+        let built = match derived.arrangement {
+            Some(_) => None,
+            None => {
+                let border = self.options.border;
+                Some(arranged(self.sections(), bounds, border, stages, self.progress)?)
+            }
+        };
+        let arrangement = derived.arrangement.as_ref().or(built.as_ref()).ok_or_else(no_cells)?;
         let oracle = Oracle::new(self.sections(), bounds, self.options.border)?;
-        let base = Base { derived, arrangement, boundaries: &boundaries, oracle: &oracle };
+        let base = Base { derived, arrangement, oracle: &oracle };
 
         let pair = self.labels(base, stages)?;
         let (skeleton, how) = self.skeleton(base, stages)?;
@@ -184,13 +188,19 @@ impl Work<'_> {
         })
     }
 
-    /// Random points, and nodes that differ.
-    fn points(&self, base: Base, nodes: &[DVec3], stages: &mut Stages) -> Result<Points> {
+    /// Random points, and nodes that differ: what must agree is known of the
+    /// indicator alone.
+    fn points(&self, base: Base, nodes: &[DVec3], stages: &mut Stages) -> Result<Option<Points>> {
+        if self.options.field != Kind::MeanValue {
+            return Ok(None);
+        }
         stages.run("points", |counts| {
-            let field = field::new(base.boundaries, self.options.device)?;
+            let clearance = CLEARANCE * base.derived.samples.lattice.voxel;
+            let boundaries = Boundaries::new(base.arrangement, clearance, self.options.spacing)?;
+            let field = field::new(&boundaries, self.options.device)?;
             let judges = Judges {
                 arrangement: base.arrangement,
-                boundaries: base.boundaries,
+                boundaries: &boundaries,
                 field: field.as_ref(),
                 oracle: base.oracle,
                 sections: self.sections(),
@@ -198,7 +208,7 @@ impl Work<'_> {
             let drawn = (self.options.points, self.options.seed);
             let points = points(&judges, nodes, drawn, self.progress)?;
             counts.insert("must agree".into(), points.must_agree);
-            Ok(points)
+            Ok(Some(points))
         })
     }
 
@@ -258,6 +268,10 @@ impl Work<'_> {
             Ok((Distances { dual_skeleton, dual_delaunay }, vertices))
         })
     }
+}
+
+fn no_cells() -> Error {
+    Error::Bug { stage: "crosscheck", what: "the sections have no cells".to_owned() }
 }
 
 /// The gap between two surfaces, if both are there.

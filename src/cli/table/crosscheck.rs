@@ -28,7 +28,10 @@ fn write_crosscheck(out: &mut String, report: &Crosscheck) -> std::fmt::Result {
     write_labels(out, report)?;
     writeln!(out)?;
     write_agreement(out, &found.agreement)?;
-    write_points(out, &found.points)?;
+    match &found.points {
+        Some(points) => write_points(out, points)?,
+        None => writeln!(out, "must agree       is known of --method mvc alone")?,
+    }
     write_parts(out, found.part_count, &found.parts)?;
     write_pairing(out, &found.pairing)?;
     if let [longest, ..] = &found.skeleton.details.contradictions[..] {
