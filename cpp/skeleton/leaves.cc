@@ -114,8 +114,13 @@ struct Spread {
     }
     return false;
   }
+  // Whether no zone tells that the site is apart.
   bool touches() const {
-    return std::any_of(low.begin(), low.end(), [](double value) { return value <= 0; });
+    for (std::size_t zone = 0; zone < errors.size(); ++zone) {
+      const double* own = &values[zone * corners];
+      if (*std::min_element(own, own + corners) > errors[zone]) return false;
+    }
+    return true;
   }
 
  private:
