@@ -270,9 +270,10 @@ class Zones {
 
 }  // namespace
 
-Rough::Rough(const Linear& exact)
-    : u{CGAL::to_double(exact.u.x()), CGAL::to_double(exact.u.y()), CGAL::to_double(exact.u.z())},
-      c(CGAL::to_double(exact.c)) {}
+Rough::Rough(const Linear& exact) : c(CGAL::to_double(CGAL::exact(exact.c))) {
+  const Place rounded = rough_place(CGAL::ORIGIN + exact.u);
+  std::copy(rounded.begin(), rounded.end(), u);
+}
 
 std::pair<double, double> Rough::at(const Place& x) const {
   double value = -c, sum = std::abs(c);
