@@ -220,3 +220,24 @@ fn too_many_patches_in_a_point() {
         assert!(facts.closed && facts.outward, "{facts:?}");
     }
 }
+
+/// As above, and each blade consists of two convex parts with a corner in the point: all is
+/// closed although not all parts of a blade are asked there.
+#[test]
+fn too_many_parts_of_patches_in_a_point() {
+    let blade = |number: u32| {
+        let angle = std::f64::consts::PI * f64::from(number) / 5.0;
+        let across = DVec3::new(angle.cos(), angle.sin(), 0.0);
+        let frame = Frame { origin: DVec3::ZERO, across, along: DVec3::Z };
+        let corners = vec![[0.0, 0.0], [0.5, -0.5], [0.25, 0.0], [0.5, 0.5]];
+        frame.section(&[(Label(1 + number % 2), corners)])
+    };
+    let blades: Vec<Section> = (0..5).map(blade).collect();
+    let result = skeleton(&blades, BOX, &Options::default(), &Silent).expect("a skeleton");
+    assert!(result.details.left_out.is_empty());
+    assert!(!result.details.inexact.is_empty());
+    for label in [1, 2] {
+        let facts = result.mesh.surface(Label(label)).facts(false).expect("facts");
+        assert!(facts.closed && facts.outward, "{facts:?}");
+    }
+}

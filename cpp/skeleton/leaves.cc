@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -114,8 +115,13 @@ struct Spread {
     }
     return false;
   }
+  // Whether no zone tells that the site is apart.
   bool touches() const {
-    return std::any_of(low.begin(), low.end(), [](double value) { return value <= 0; });
+    for (std::size_t zone = 0; zone < errors.size(); ++zone) {
+      const double* own = &values[zone * corners];
+      if (*std::min_element(own, own + corners) > errors[zone]) return false;
+    }
+    return true;
   }
 
  private:
@@ -224,6 +230,7 @@ Leaves::Leaves(const Polytope& cell, const Distances& distances, double cut_at)
   Part whole{cell, {-all, -all, -all, all, all, all}, {}};
   const std::vector<Site>& sites = distances.sites();
   for (Index site = 0; site < sites.size(); ++site) {
+    if (sites[site].is_plane()) continue;
     whole.candidates.push_back({site, {}});
     for (Index zone = 0; zone < sites[site].zones.size(); ++zone) {
       whole.candidates.back().zones.push_back(zone);
@@ -243,6 +250,7 @@ Leaves::Leaves(const Polytope& cell, const Distances& distances, double cut_at)
 void Leaves::settle(Part part) {
   const std::vector<Place> corners = part.body.places();
   drop_far(corners, part);
+  join_known(corners, part);
   const bool is_small = longest(bounds(corners)) < size_ * smallest();
   if (part.candidates.size() > most_sites && !is_small) return split(part);
   std::vector<Spread> spreads = nearest(part.candidates, distances_, corners);
@@ -308,6 +316,28 @@ void Leaves::drop_far(const std::vector<Place>& corners, Part& part) {
   std::vector<Candidate> kept;
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     if (gaps[i] <= limit) kept.push_back(std::move(part.candidates[i]));
+  }
+  part.candidates = std::move(kept);
+}
+
+// Sites of one plane become the plane where it is known all over: zones of the edges that they
+// have in common would be many.
+void Leaves::join_known(const std::vector<Place>& corners, Part& part) const {
+  const std::vector<Site>& sites = distances_.sites();
+  std::vector<Candidate> kept;
+  for (auto first = part.candidates.begin(), last = first; first != part.candidates.end();
+       first = last) {
+    const Face* face = sites[first->site].face.get();
+    while (last != part.candidates.end() && sites[last->site].face.get() == face) ++last;
+    Index plane = first->site;
+    if (last - first > 1) {
+      while (!sites[plane].is_plane()) --plane;
+      if (knows_all(sites[plane], distances_.rough({plane, 0}), corners)) {
+        kept.push_back({plane, {0, 1}});
+        continue;
+      }
+    }
+    std::move(first, last, std::back_inserter(kept));
   }
   part.candidates = std::move(kept);
 }

@@ -56,6 +56,7 @@ class Leaves {
   void settle(Part part);
   double smallest() const;
   void drop_far(const std::vector<Place>& corners, Part& part);
+  void join_known(const std::vector<Place>& corners, Part& part) const;
   void split(const Part& part);
   const Halfspace& cut(int axis, int side, double at);
 

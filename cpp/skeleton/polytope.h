@@ -18,7 +18,9 @@ namespace transect::skeleton::partial {
 using Place = std::array<double, 3>;
 using Polygon = std::vector<Point>;
 
+// What is not exact yet may be off by a hundred-thousandth.
 inline Place rough_place(const Point& point) {
+  CGAL::exact(point);
   return {CGAL::to_double(point.x()), CGAL::to_double(point.y()), CGAL::to_double(point.z())};
 }
 

@@ -87,8 +87,25 @@ bool is_narrow(const std::vector<Place>& polygon, const CGAL::Bbox_3& box) {
   return area < 1e-10 * size * length;
 }
 
-Shown shown_on_face(const Site& site, const Zone& zone, const Rough& distance,
-                    const std::vector<Place>& places) {
+// The part of a convex polygon in a box.
+std::vector<Place> within_box(const std::vector<Point>& polygon, const CGAL::Bbox_3& box) {
+  std::vector<Place> left;
+  for (const Point& corner : polygon) left.push_back(rough_place(corner));
+  for (int side = 0; side < 6 && !left.empty(); ++side) left = clipped(left, box, side);
+  return left;
+}
+
+Point middle(const std::vector<Place>& polygon) {
+  double sum[3] = {0, 0, 0};
+  for (const auto& corner : polygon) {
+    for (int i = 0; i < 3; ++i) sum[i] += corner[i] / static_cast<double>(polygon.size());
+  }
+  return {sum[0], sum[1], sum[2]};
+}
+
+// Around all feet on a face, and more than rounding errors.
+CGAL::Bbox_3 around_feet(const Zone& zone, const Rough& distance,
+                         const std::vector<Place>& places) {
   const Place ray = rough_place(CGAL::ORIGIN + zone.rays[0]);
   std::vector<Place> feet;
   for (const Place& place : places) {
@@ -99,10 +116,9 @@ Shown shown_on_face(const Site& site, const Zone& zone, const Rough& distance,
   const CGAL::Bbox_3 box = bounds(feet);
   double size = 0;
   for (int i = 0; i < 3; ++i) size = std::max({size, std::abs(box.min(i)), std::abs(box.max(i))});
-  const double slack = 1e-9 * size;  // more than rounding errors
-  return site.face->within({box.xmin() - slack, box.ymin() - slack, box.zmin() - slack,
-                            box.xmax() + slack, box.ymax() + slack, box.zmax() + slack},
-                           site.corners);
+  const double slack = 1e-9 * size;
+  return {box.xmin() - slack, box.ymin() - slack, box.zmin() - slack,
+          box.xmax() + slack, box.ymax() + slack, box.zmax() + slack};
 }
 
 // Labels change across planes that are parallel to those of both rays.
@@ -160,12 +176,22 @@ class Zones {
     return {through(u, corners_[0]), std::move(bounds), corners_, {ray, ray}, {}};
   }
 
+  // Both sides of the plane, without bounds but the plane.
+  std::vector<Zone> both_sides() const {
+    std::vector<Zone> zones{prism(1), prism(-1)};
+    for (Zone& zone : zones) zone.bounds = {own_side(zone)};
+    return zones;
+  }
+
+  void add_outline(std::vector<std::array<Place, 2>>& outline) const {
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (!is_inner_[i]) outline.push_back({rough_place(corner(i)), rough_place(corner(i + 1))});
+    }
+  }
+
   std::vector<Zone> all() const {
     std::vector<Zone> zones{prism(1), prism(-1)};
-    for (Zone& zone : zones) {  // each on its own side of the site
-      const auto& [u, c] = zone.distance;
-      zone.bounds.emplace_back(Kernel::Plane_3(-u.x(), -u.y(), -u.z(), c));
-    }
+    for (Zone& zone : zones) zone.bounds.push_back(own_side(zone));
     for (const Gauge::Facet& facet : gauge_.facets) zones.push_back(on_facet(facet));
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       for (const Gauge::Edge& edge : gauge_.edges) {
@@ -181,6 +207,11 @@ class Zones {
     CGAL::exact(distance.u);
     CGAL::exact(distance.c);
     return distance;
+  }
+
+  static Kernel::Plane_3 own_side(const Zone& prism) {
+    const auto& [u, c] = prism.distance;
+    return {-u.x(), -u.y(), -u.z(), c};
   }
 
   // The plane through p along v and w, with the other point behind it.
@@ -270,9 +301,10 @@ class Zones {
 
 }  // namespace
 
-Rough::Rough(const Linear& exact)
-    : u{CGAL::to_double(exact.u.x()), CGAL::to_double(exact.u.y()), CGAL::to_double(exact.u.z())},
-      c(CGAL::to_double(exact.c)) {}
+Rough::Rough(const Linear& exact) : c(CGAL::to_double(CGAL::exact(exact.c))) {
+  const Place rounded = rough_place(CGAL::ORIGIN + exact.u);
+  std::copy(rounded.begin(), rounded.end(), u);
+}
 
 std::pair<double, double> Rough::at(const Place& x) const {
   double value = -c, sum = std::abs(c);
@@ -288,16 +320,10 @@ Shown Face::within(const CGAL::Bbox_3& box, const std::vector<Point>& polygon) c
   for (const CGAL::Bbox_3& segment : boxes) {
     if (CGAL::do_overlap(segment, box)) return {true, {}};
   }
-  std::vector<Place> left;
-  for (const Point& corner : polygon) left.push_back(rough_place(corner));
-  for (int side = 0; side < 6 && !left.empty(); ++side) left = clipped(left, box, side);
+  const std::vector<Place> left = within_box(polygon, box);
   if (left.empty()) return {false, {}};
   if (is_narrow(left, box)) return {true, {}};  // rounding might tell a wrong label
-  double middle[3] = {0, 0, 0};
-  for (const auto& corner : left) {
-    for (int i = 0; i < 3; ++i) middle[i] += corner[i] / static_cast<double>(left.size());
-  }
-  const Label label = map.at(Point(middle[0], middle[1], middle[2]), CGAL::NULL_VECTOR);
+  const Label label = map.at(middle(left), CGAL::NULL_VECTOR);
   return {label == unknown, label};
 }
 
@@ -305,7 +331,20 @@ Shown shown(const Site& site, const Zone& zone, const Rough& distance,
             const std::vector<Place>& places) {
   if (zone.foot.size() == 1) return {false, zone.labels.labels[0]};
   if (zone.foot.size() == 2) return shown_on_edge(zone, places);
-  return shown_on_face(site, zone, distance, places);
+  return site.face->within(around_feet(zone, distance, places), site.corners);
+}
+
+bool knows_all(const Site& plane, const Rough& distance, const std::vector<Place>& places) {
+  const CGAL::Bbox_3 box = around_feet(plane.zones[0], distance, places);
+  const auto meets_box = [&](const std::array<Place, 2>& edge) {
+    std::vector<Place> left(edge.begin(), edge.end());
+    for (int side = 0; side < 6 && !left.empty(); ++side) left = clipped(left, box, side);
+    return !left.empty();
+  };
+  if (std::any_of(plane.outline.begin(), plane.outline.end(), meets_box)) return false;
+  const std::vector<Place> left = within_box(plane.corners, box);
+  return !left.empty() && !is_narrow(left, box) &&
+         plane.face->map.at(middle(left), CGAL::NULL_VECTOR) != unknown;
 }
 
 Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces) {
@@ -349,16 +388,20 @@ std::vector<Site> sites(const PartialCell& cell, const Gauge& gauge) {
   for (const CellPlane& wall : cell.walls) {
     const std::vector<Point> outline = corners(cell, wall);
     const Vector& normal = (*cell.planes)[wall.plane].normal;
-    sites.push_back({face(cell, wall, outline), outline, normal, {}});
+    sites.push_back({face(cell, wall, outline), outline, normal, {}, {}});
     sites.back().zones.push_back(Zones(gauge, outline, normal).prism(wall.side));
   }
   for (const CellPlane& patch : cell.patches) {
-    const auto shared = face(cell, patch, border(cell, patch));
+    const std::vector<Point> all = border(cell, patch);
+    const auto shared = face(cell, patch, all);
     const Vector& normal = (*cell.planes)[patch.plane].normal;
+    const std::size_t plane = sites.size();
+    sites.push_back({shared, all, normal, Zones(gauge, all, normal).both_sides(), {}});
     for (const std::vector<Point>& polygon : shared->map.known()) {
       Zones zones(gauge, polygon, normal);
       zones.read(shared->map);
-      sites.push_back({shared, polygon, normal, zones.all()});
+      zones.add_outline(sites[plane].outline);
+      sites.push_back({shared, polygon, normal, zones.all(), {}});
     }
   }
   return sites;

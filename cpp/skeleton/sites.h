@@ -87,14 +87,22 @@ struct Site {
   std::shared_ptr<const Face> face;
   std::vector<Point> corners;  // counter-clockwise about the plane's normal
   Vector normal;
-  std::vector<Zone> zones;  // one for a wall
+  std::vector<Zone> zones;  // one for a wall, one for each side of a plane
+  // Of a plane, where what is known on it ends.
+  std::vector<std::array<Place, 2>> outline;
 
   bool is_wall() const { return zones.size() == 1; }
+  // All of a patch's plane in the cell: it stands in for the patch's sites, which follow it,
+  // where all feet on it are known. There the nearest of them is as far as the plane.
+  bool is_plane() const { return zones.size() == 2; }
 };
 
 // What a zone may show between some places.
 Shown shown(const Site& site, const Zone& zone, const Rough& distance,
             const std::vector<Place>& places);
+
+// Whether all feet on a plane from between some places are known, as far as doubles can tell.
+bool knows_all(const Site& plane, const Rough& distance, const std::vector<Place>& places);
 
 // How many sites the patches make.
 std::size_t count_sites(const PartialCell& cell);
@@ -104,7 +112,7 @@ Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces);
 
 Gauge gauge(const PartialCell& cell);
 
-// Walls first.
+// Walls first, then patch by patch its plane and its sites.
 std::vector<Site> sites(const PartialCell& cell, const Gauge& gauge);
 
 }  // namespace transect::skeleton::partial

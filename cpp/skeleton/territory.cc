@@ -8,7 +8,8 @@ Territory::Territory(const Leaf& leaf, const Distances& distances, Bisectors& bi
     : leaf_(leaf), distances_(distances), bisectors_(bisectors) {
   for (const auto& [site, zones] : leaf.candidates) {
     for (Index zone : zones) {
-      if (!distances.zone({site, zone}).is_inner) settle({site, zone});
+      // In a leaf that is not exact the site beyond an inner edge may not be asked.
+      if (!leaf.is_exact || !distances.zone({site, zone}).is_inner) settle({site, zone});
     }
   }
 }

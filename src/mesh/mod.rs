@@ -10,6 +10,7 @@ pub mod nearest;
 pub(crate) mod sets;
 #[cfg(test)]
 pub(crate) mod shapes;
+mod sheets;
 pub mod surface;
 
 use glam::DVec3;

@@ -162,8 +162,11 @@ fn exact(made: &Made, seed: u64) -> Result<(), String> {
     let derived = made.derived()?;
     let Some(details) = &derived.exact else { return Err("there are no details".to_owned()) };
     let sections = made.model.sections();
+    if !details.left_out.is_empty() {
+        return Err(format!("cells {:?} are left out", details.left_out));
+    }
     // Where parts are unknown distances are those of a gauge, up to a sixth off.
-    if !details.left_out.is_empty() || sections.sections.iter().any(is_partial) {
+    if sections.sections.iter().any(is_partial) {
         return Ok(());
     }
     let Some(bounds) = sections.space() else { return Err("there is no box".to_owned()) };

@@ -7,7 +7,8 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::mesh::sets::Sets;
-use crate::mesh::surface::{Side, sorted_sides, starts_at};
+use crate::mesh::sheets::{Side, starts_at};
+use crate::mesh::surface::sorted_sides;
 
 /// The ends of an edge, the smaller number first.
 pub type Ends = [u32; 2];

@@ -13,7 +13,7 @@ use crate::ffi::fairing::{self, Patch};
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::sets::Sets;
-use crate::mesh::surface::join_ends;
+use crate::mesh::sheets::join_ends;
 
 /// Rounds of splitting, collapsing, flipping and projecting back.
 const ROUNDS: u32 = 3;
