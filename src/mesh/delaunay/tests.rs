@@ -226,16 +226,20 @@ fn two_materials_fill_an_open_box_to_its_corners() {
     assert!((rest / (2.0 * 1.09f64.sqrt() * 1.63) - 1.0).abs() < 1e-2, "{rest}");
 }
 
-/// Two samples that touch along a lattice face's diagonal only, which the
-/// samples say is bridged, and two that are said not to be.
+/// Two blocks that only the diagonals of lattice faces join, or so the samples
+/// say at these faces, or do not join; all around them the surface is where
+/// distances would say the opposite.
 #[test]
 fn what_is_connected_across_a_face_is_as_in_the_dual_mesh() {
-    for (lead, away, pieces) in [(0.9, 0.2, 1), (0.2, 0.9, 2)] {
+    for (inside, outside, pieces) in [([0.21, 0.05], [0.2, 0.9], 1), ([0.2, 0.9], [0.21, 0.05], 2)]
+    {
         let lattice = Lattice { origin: DVec3::ZERO, voxel: 1.0, dims: [16; 3] };
         let samples = samples(lattice, |node| {
             let [x, y, z] = node.map(|at| at - 8);
-            let is_inside = [0, 1].map(|step| [step; 2]).contains(&[x, y]) && z.abs() <= 1;
-            vec![if is_inside { lead } else { -away }]
+            let both_in = |from: i32, to: i32| [x, y].iter().all(|at| (from..=to).contains(at));
+            let is_inside = (both_in(-2, 0) || both_in(1, 3)) && z.abs() <= 1;
+            let place = usize::from(!both_in(0, 1));
+            vec![if is_inside { inside[place] } else { -outside[place] }]
         });
         let dual = crate::mesh::dual(&samples, &Silent).unwrap();
         let components = |mesh: &Mesh| mesh.surface(Label(1)).facts(true).unwrap().components;
