@@ -139,14 +139,14 @@ struct Facet {
 // Whether two triangles without a common corner have a common point.
 bool meet(const Facet& one, const Facet& other) {
   if (!one.has_area && !other.has_area) return false;
+  if (!one.has_area) return meet(other, one);
   const auto triangle = [](const Corners& own) {
     return Kernel::Triangle_3(own[0], own[1], own[2]);
   };
-  if (!one.has_area) return CGAL::do_intersect(longest_side(one.corners), triangle(other.corners));
-  if (!other.has_area) {
-    return CGAL::do_intersect(longest_side(other.corners), triangle(one.corners));
-  }
-  return CGAL::do_intersect(triangle(one.corners), triangle(other.corners));
+  if (other.has_area) return CGAL::do_intersect(triangle(one.corners), triangle(other.corners));
+  const Kernel::Segment_3 side = longest_side(other.corners);
+  if (side.is_degenerate()) return triangle(one.corners).has_on(side.source());
+  return CGAL::do_intersect(side, triangle(one.corners));
 }
 
 // Whether two triangles meet other than in a corner or an edge that both have at the same

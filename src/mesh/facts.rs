@@ -214,6 +214,17 @@ mod tests {
         assert_eq!(self_intersections(&tetrahedron(UNIT), &tetrahedron(tip)), Some(3));
     }
 
+    /// Rounding may put all corners of a triangle into one point.
+    #[test]
+    fn a_triangle_in_one_point_crosses_what_the_point_is_on() {
+        for (height, count) in [(0.0, 1), (0.5, 0)] {
+            let point = DVec3::new(0.25, 0.25, height);
+            let vertices = [DVec3::ZERO, DVec3::X, DVec3::Y, point, point, point];
+            let found = crossings(&vertices, &[[0, 1, 2], [3, 4, 5]], &[]).unwrap();
+            assert_eq!(found.len(), count, "{height}");
+        }
+    }
+
     #[test]
     fn sheets_that_touch_in_common_corners_do_not_intersect() {
         let unit = tetrahedron(UNIT);
