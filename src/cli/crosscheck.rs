@@ -20,6 +20,11 @@ use crate::stage::Stages;
 /// Reconstructs, compares and writes; fails last of all when a point that must
 /// agree does not.
 pub fn run(arguments: &CrosscheckArguments) -> Result<()> {
+    if arguments.spacing.is_some() && arguments.method != FieldName::Mvc {
+        let what = "--spacing is an option of --method mvc, and means nothing to variational: \
+                    leave it out, or choose another method";
+        return Err(Error::Option(what.to_owned()));
+    }
     let targets = arguments.output.iter().map(|path| target(path)).collect::<Result<Vec<_>>>()?;
     let known = arguments.output.iter().chain(&arguments.report);
     let mut outputs = Outputs::reserve(known.map(|path| path.as_path()))?;
