@@ -13,6 +13,7 @@ namespace transect::skeleton {
 struct Input;
 struct CellOutput;
 struct ContradictionOutput;
+struct Watcher;
 
 class Skeleton {
  public:
@@ -26,7 +27,7 @@ class Skeleton {
   rust::Vec<rust::String> exact_points() const;
   rust::Vec<std::uint32_t> contours() const;
   rust::Vec<ContradictionOutput> contradictions() const;
-  CellOutput surface(std::uint32_t cell, bool exact) const;
+  CellOutput surface(std::uint32_t cell, bool exact, const Watcher& watcher) const;
 
  private:
   struct Parts;

@@ -180,6 +180,28 @@ fn a_patch_guides() {
     body(&reconstruct(&[lower, upper, guide]).mesh, 1);
 }
 
+/// The middle one of three equal sections has octagons of unknown all over, within the square:
+/// whatever is nearest to a place beside them says what it would have said itself.
+#[test]
+fn many_holes() {
+    let whole = (Label(0), rectangle([-8.0, 8.0], [-8.0, 8.0]));
+    let square = (Label(1), rectangle([-1.0, 1.0], [-1.0, 1.0]));
+    let full = [whole, square];
+    let hole = |number: i32| {
+        let [x, y] = [number % 4, number / 4].map(|i| 0.4375 * f64::from(i) - 0.65625);
+        let corner = |i: i32| {
+            let angle = (f64::from(i) + 0.1 * f64::from(number)) * std::f64::consts::FRAC_PI_4;
+            [x + 0.125 * angle.cos(), y + 0.125 * angle.sin()]
+        };
+        (Label::UNKNOWN, (0..8).map(corner).collect::<Vec<_>>())
+    };
+    let holed: Vec<_> = full.iter().cloned().chain((0..16).map(hole)).collect();
+    let [below, above] = [-0.5, 0.5].map(|z| flat(z).section(&full));
+    let bare = reconstruct(&[below.clone(), flat(0.0).section(&full), above.clone()]);
+    let volume = body(&reconstruct(&[below, flat(0.0).section(&holed), above]).mesh, 1);
+    assert!((volume - body(&bare.mesh, 1)).abs() < 1e-9, "{volume}");
+}
+
 /// Frames on top of each other, as of a sweep: squares are one body, in the box's middle.
 #[test]
 fn ten_frames() {
@@ -226,13 +248,13 @@ fn too_many_patches_in_a_point() {
 #[test]
 fn too_many_parts_of_patches_in_a_point() {
     let blade = |number: u32| {
-        let angle = std::f64::consts::PI * f64::from(number) / 5.0;
+        let angle = std::f64::consts::PI * f64::from(number) / 8.0;
         let across = DVec3::new(angle.cos(), angle.sin(), 0.0);
         let frame = Frame { origin: DVec3::ZERO, across, along: DVec3::Z };
         let corners = vec![[0.0, 0.0], [0.5, -0.5], [0.25, 0.0], [0.5, 0.5]];
         frame.section(&[(Label(1 + number % 2), corners)])
     };
-    let blades: Vec<Section> = (0..5).map(blade).collect();
+    let blades: Vec<Section> = (0..8).map(blade).collect();
     let result = skeleton(&blades, BOX, &Options::default(), &Silent).expect("a skeleton");
     assert!(result.details.left_out.is_empty());
     assert!(!result.details.inexact.is_empty());

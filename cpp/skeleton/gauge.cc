@@ -111,7 +111,7 @@ Gauge::Gauge(const std::vector<Plane>& planes) {
     const Vector polar = plane.orthogonal_vector() / -plane.d();
     const auto [at, fresh] =
         polars.try_emplace(CGAL::ORIGIN + polar, static_cast<Index>(facets.size()));
-    if (fresh) facets.push_back({polar, {}, {}});
+    if (fresh) facets.push_back({polar, {}});
     facet_of[&*face] = at->second;
     std::vector<Index>& own = facets[at->second].corners;
     auto around = face->facet_begin();
@@ -124,8 +124,6 @@ Gauge::Gauge(const std::vector<Plane>& planes) {
     const Index left = facet_of.at(&*edge->facet());
     const Index right = facet_of.at(&*edge->opposite()->facet());
     if (left == right) continue;
-    facets[left].edges.push_back(static_cast<Index>(edges.size()));
-    facets[right].edges.push_back(static_cast<Index>(edges.size()));
     edges.push_back(
         {{names.at(edge->vertex()->point()), names.at(edge->opposite()->vertex()->point())},
          {left, right}});

@@ -19,7 +19,6 @@ struct Gauge {
   struct Facet {
     Vector polar;
     std::vector<Index> corners;
-    std::vector<Index> edges;
   };
   struct Edge {
     Index corners[2];

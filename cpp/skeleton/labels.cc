@@ -46,6 +46,20 @@ const Point& RegionLabels::centre() const {
 void RegionLabels::leave_region() {
   if (!only_) centre();
   body_ = nullptr;
+  changes_ = {};
+  changes_along_ = {};
+}
+
+std::vector<Polygon> RegionLabels::lines_on(const Halfspace& plane) const {
+  std::vector<Polygon> lines;
+  for (const Change& change : changes_) {
+    Polygon line;
+    for (const Point& corner : change.polygon) {
+      if (side(plane.plane(), corner) == 0) line.push_back(corner);
+    }
+    if (line.size() == 2) lines.push_back(std::move(line));
+  }
+  return lines;
 }
 
 Point RegionLabels::foot(const Point& point) const {

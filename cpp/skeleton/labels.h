@@ -23,9 +23,11 @@ class RegionLabels {
   const std::optional<Label>& only() const { return only_; }
   // The planes of facets along which labels change.
   const std::vector<const Halfspace*>& changes_along() const { return changes_along_; }
+  // Where labels change on a facet in a plane.
+  std::vector<Polygon> lines_on(const Halfspace& plane) const;
   // On the border of the region, as seen from inside; labels must not change there.
   Label at(const Point& point) const;
-  // To be asked for labels although the region is gone.
+  // To be asked for labels alone, although the region is gone.
   void leave_region();
   Index plane() const { return plane_; }
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numeric>
-#include <set>
 #include <utility>
 
 namespace transect::skeleton::partial {
@@ -16,10 +14,11 @@ constexpr std::size_t most_sites = 100;
 // As many zones are partitioned at once rather than divided.
 constexpr std::size_t few_zones = 80;
 // As many are partitioned where a part is not divided further.
-constexpr std::size_t most_zones = 160;
-// How small parts get, relative to the cell, and how small when there are many.
+constexpr std::size_t most_zones = 400;
+// How small parts get, relative to the cell, and how small when there are many: planes that
+// all but coincide are hard to tell apart everywhere.
 constexpr double smallest_part = 1.0 / 512, small_part = 1.0 / 48;
-constexpr std::size_t many_parts = 2000;
+constexpr std::size_t many_parts = 2000, many_parts_a_site = 10;
 // Sites in a leaf that is not exact, besides those that touch it.
 constexpr std::size_t nearest_sites = 4;
 
@@ -43,98 +42,6 @@ double longest(const CGAL::Bbox_3& box, int* axis = nullptr) {
   return length;
 }
 
-// A site's distance at the corners of a body, by zones.
-struct Spread {
-  Candidate candidate;
-  std::size_t corners;
-  std::vector<double> values;     // zone by zone
-  std::vector<double> errors;     // of each zone
-  std::vector<double> low, high;  // of the largest, at each corner
-  double sum = -std::numeric_limits<double>::infinity();
-
-  Spread(const Candidate& all, const Distances& distances, const std::vector<Place>& places)
-      : candidate{all.site, {}}, corners(places.size()) {
-    const std::size_t count = all.zones.size();
-    std::vector<double> every(count * corners), error(count), sums(count);
-    for (std::size_t zone = 0; zone < count; ++zone) {
-      const Rough& rough = distances.rough({all.site, all.zones[zone]});
-      for (std::size_t corner = 0; corner < corners; ++corner) {
-        const auto [value, doubt] = rough.at(places[corner]);
-        every[zone * corners + corner] = value;
-        error[zone] = std::max(error[zone], doubt);
-        sums[zone] += value;
-      }
-    }
-    // Zones that are the largest somewhere are above others, if any are.
-    const auto lead = [&](auto value) {
-      std::size_t best = 0;
-      for (std::size_t i = 1; i < count; ++i) {
-        if (value(i) > value(best)) best = i;
-      }
-      return best;
-    };
-    const auto is_below = [&](std::size_t zone, std::size_t leader) {
-      return leader != zone && above(&every[leader * corners], error[leader],
-                                     &every[zone * corners], error[zone], corners);
-    };
-    std::vector<std::size_t> left(count);
-    std::iota(left.begin(), left.end(), 0);
-    const auto drop_below = [&](std::size_t leader) {
-      left.erase(std::remove_if(left.begin(), left.end(),
-                                [&](std::size_t zone) { return is_below(zone, leader); }),
-                 left.end());
-    };
-    const std::size_t first = lead([&](std::size_t zone) { return sums[zone]; });
-    drop_below(first);
-    std::vector<std::size_t> leaders;
-    for (std::size_t corner = 0; corner < corners; ++corner) {
-      leaders.push_back(lead([&](std::size_t zone) { return every[zone * corners + corner]; }));
-    }
-    std::sort(leaders.begin(), leaders.end());
-    leaders.erase(std::unique(leaders.begin(), leaders.end()), leaders.end());
-    for (std::size_t leader : leaders) drop_below(leader);
-    low.assign(corners, -std::numeric_limits<double>::infinity());
-    high = low;
-    for (std::size_t zone : left) {
-      const double* own = &every[zone * corners];
-      for (std::size_t corner = 0; corner < corners; ++corner) {
-        low[corner] = std::max(low[corner], own[corner] - error[zone]);
-        high[corner] = std::max(high[corner], own[corner] + error[zone]);
-      }
-      sum = std::max(sum, sums[zone]);
-      candidate.zones.push_back(all.zones[zone]);
-      values.insert(values.end(), own, own + corners);
-      errors.push_back(error[zone]);
-    }
-  }
-
-  // Whether a zone is above all of the other's at all corners.
-  bool is_beyond(const Spread& other) const {
-    for (std::size_t zone = 0; zone < errors.size(); ++zone) {
-      if (above(&values[zone * corners], errors[zone], other.high.data(), 0, corners)) return true;
-    }
-    return false;
-  }
-  // Whether no zone tells that the site is apart.
-  bool touches() const {
-    for (std::size_t zone = 0; zone < errors.size(); ++zone) {
-      const double* own = &values[zone * corners];
-      if (*std::min_element(own, own + corners) > errors[zone]) return false;
-    }
-    return true;
-  }
-
- private:
-  // Whether one linear function is above another at all corners, whatever their errors.
-  static bool above(const double* more, double more_error, const double* less, double less_error,
-                    std::size_t corners) {
-    for (std::size_t i = 0; i < corners; ++i) {
-      if (!(more[i] - more_error > less[i] + less_error)) return false;
-    }
-    return true;
-  }
-};
-
 // The largest distance of a site from some places, and no less.
 double farthest(const Candidate& candidate, const Distances& distances,
                 const std::vector<Place>& places) {
@@ -147,35 +54,6 @@ double farthest(const Candidate& candidate, const Distances& distances,
     }
   }
   return result;
-}
-
-std::vector<Spread> nearest(const std::vector<Candidate>& all, const Distances& distances,
-                            const std::vector<Place>& corners) {
-  std::vector<Spread> spreads;
-  for (const Candidate& candidate : all) spreads.emplace_back(candidate, distances, corners);
-  std::set<std::size_t> leaders;
-  const auto lead = [&](auto value) {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < spreads.size(); ++i) {
-      if (value(spreads[i]) < value(spreads[best])) best = i;
-    }
-    leaders.insert(best);
-  };
-  lead([](const Spread& spread) { return spread.sum; });
-  for (std::size_t corner = 0; corner < corners.size(); ++corner) {
-    lead([corner](const Spread& spread) { return spread.high[corner]; });
-  }
-  std::vector<bool> is_out(spreads.size());
-  for (std::size_t i = 0; i < spreads.size(); ++i) {
-    for (std::size_t leader : leaders) {
-      is_out[i] = is_out[i] || (leader != i && spreads[i].is_beyond(spreads[leader]));
-    }
-  }
-  std::vector<Spread> kept;
-  for (std::size_t i = 0; i < spreads.size(); ++i) {
-    if (!is_out[i]) kept.push_back(std::move(spreads[i]));
-  }
-  return kept;
 }
 
 // The only label that candidates can have between some places, if that is clear.
@@ -245,6 +123,15 @@ Leaves::Leaves(const Polytope& cell, const Distances& distances, double cut_at)
     queue_.pop_front();
     settle(std::move(part));
   }
+  for (const Leaf& leaf : mixed_) {
+    if (!leaf.is_exact) inexact_.push_back(leaf.box);
+  }
+  for (Leaf& leaf : mixed_) leaf.is_beside_inexact = is_beside_inexact(leaf.box);
+}
+
+bool Leaves::is_beside_inexact(const CGAL::Bbox_3& box) const {
+  return std::any_of(inexact_.begin(), inexact_.end(),
+                     [&](const CGAL::Bbox_3& other) { return CGAL::do_overlap(box, other); });
 }
 
 void Leaves::settle(Part part) {
@@ -285,7 +172,8 @@ void Leaves::settle(Part part) {
 }
 
 double Leaves::smallest() const {
-  return mixed_.size() + queue_.size() < many_parts ? smallest_part : small_part;
+  const std::size_t many = many_parts + many_parts_a_site * distances_.sites().size();
+  return mixed_.size() + queue_.size() < many ? smallest_part : small_part;
 }
 
 // What is farther away than the nearest site so far from all of the part: the gauge is within
@@ -361,16 +249,9 @@ void Leaves::split(const Part& part) {
 }
 
 std::vector<Leaf> Leaves::uniform_beside_inexact() {
-  std::vector<CGAL::Bbox_3> boxes;
-  for (const Leaf& leaf : mixed_) {
-    if (!leaf.is_exact) boxes.push_back(leaf.box);
-  }
   std::vector<Leaf> found;
   for (const Leaf& leaf : uniform_) {
-    const bool is_beside = std::any_of(boxes.begin(), boxes.end(), [&](const CGAL::Bbox_3& box) {
-      return CGAL::do_overlap(box, leaf.box);
-    });
-    if (!is_beside) continue;
+    if (!is_beside_inexact(leaf.box)) continue;
     found.push_back(leaf);
     Polytope& body = found.back().body = cell_;
     for (int axis = 0; axis < 3; ++axis) {

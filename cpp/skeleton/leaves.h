@@ -1,10 +1,6 @@
 // A cell with many sites is divided into leaves, until only a few sites can be nearest
 // anywhere in a leaf, or all that can have one label. Most of a cell then needs no
-// partition at all, and the rest one among a few.
-//
-//   a zone is out of a leaf where another of its site is larger at all corners (both are
-//   linear); a site is where one of its zones is farther than another site at all corners
-//   (a distance is convex, so the difference has its largest value at a corner)
+// partition at all, and the rest one among a few (nearest.h).
 //
 // Leaves divide the cell only, not the answer: it is that of the whole cell. But where
 // more sites than can be done meet in a leaf too small to be divided further, only those
@@ -16,15 +12,9 @@
 #include <unordered_set>
 #include <vector>
 
-#include "transect/cpp/skeleton/distances.h"
+#include "transect/cpp/skeleton/nearest.h"
 
 namespace transect::skeleton::partial {
-
-// A site that may be nearest somewhere in a leaf, by the zones in which it may be.
-struct Candidate {
-  Index site;
-  std::vector<Index> zones;
-};
 
 struct Leaf {
   Polytope body;
@@ -33,6 +23,7 @@ struct Leaf {
   // The only label that candidates have in the leaf.
   std::optional<Label> label;
   bool is_exact = true;
+  bool is_beside_inexact = false;  // or not exact itself
 };
 
 class Leaves {
@@ -46,6 +37,8 @@ class Leaves {
   // The planes between leaves.
   const std::deque<Halfspace>& cuts() const { return cuts_; }
   bool is_cut(const Halfspace* plane) const { return is_cut_.count(plane) != 0; }
+  // Whether a box touches a leaf that is not exact.
+  bool is_beside_inexact(const CGAL::Bbox_3& box) const;
 
  private:
   struct Part {
@@ -79,6 +72,7 @@ class Leaves {
   std::unordered_set<const Halfspace*> is_cut_;
   std::deque<Part> queue_;
   std::vector<Leaf> mixed_, uniform_;
+  std::vector<CGAL::Bbox_3> inexact_;  // leaves
 };
 
 }  // namespace transect::skeleton::partial

@@ -2,6 +2,8 @@
 // gauge (see partial.cc).
 #pragma once
 
+#include <functional>
+
 #include "transect/cpp/skeleton/exact.h"
 
 namespace transect::skeleton {
@@ -51,9 +53,9 @@ struct PartialSurface {
   Inexact inexact;
 };
 
-// How many convex sites the known parts of the patches make.
-std::size_t partial_sites(const PartialCell& cell);
+// Is told, from any thread, which part of the work is done, roughly.
+using Watch = std::function<void(double)>;
 
-PartialSurface partial_surface(const PartialCell& cell);
+PartialSurface partial_surface(const PartialCell& cell, const Watch& watch);
 
 }  // namespace transect::skeleton

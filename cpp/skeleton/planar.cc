@@ -325,6 +325,24 @@ bool PlanarMap::is_inner(const Point& from, const Point& to) const {
   return true;
 }
 
+std::vector<Vector> PlanarMap::known_ways(const Point& corner) const {
+  Labels::Locate_type type;
+  int index;
+  const auto face = labels_.locate(chart_.down(corner), type, index);
+  std::vector<Vector> ways;
+  if (type != Labels::VERTEX) return ways;
+  const auto vertex = face->vertex(index);
+  auto around = labels_.incident_faces(vertex), first = around;
+  do {
+    if (labels_.is_infinite(around) || around->info() == unknown) continue;
+    const int own = around->index(vertex);
+    for (int other : {labels_.ccw(own), labels_.cw(own)}) {
+      ways.push_back(chart_.up(around->vertex(other)->point()) - corner);
+    }
+  } while (++around != first);
+  return ways;
+}
+
 PlanarMap::Along PlanarMap::along(const Point& from, const Point& to, const Vector& way) const {
   const std::vector<Point> stops = this->stops(from, to);
   Along along;

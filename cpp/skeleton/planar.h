@@ -70,6 +70,9 @@ class PlanarMap {
   Along along(const Point& from, const Point& to, const Vector& way) const;
   // Whether all is known on both sides of an edge of a known polygon.
   bool is_inner(const Point& from, const Point& to) const;
+  // Ways from a corner of a known polygon that all others lie between, on which something is
+  // known.
+  std::vector<Vector> known_ways(const Point& corner) const;
 
  private:
   using Labels = Triangulation<Index, Label>;

@@ -216,12 +216,19 @@ WholeLinear::WholeLinear(const Vector& u, const Number& c) {
   below = std::move(all[4]);
 }
 
+Halfspace::Halfspace(const Kernel::Plane_3& plane)
+    : plane_(plane),
+      whole_(std::make_shared<Whole>(common<4>({plane.a(), plane.b(), plane.c(), plane.d()}))) {}
+
 Halfspace::Halfspace(const WholeLinear& less, const WholeLinear& more)
     : whole_(std::make_shared<Whole>(
           std::array<mpz_class, 4>{less.u[0] * more.below - more.u[0] * less.below,
                                    less.u[1] * more.below - more.u[1] * less.below,
                                    less.u[2] * more.below - more.u[2] * less.below,
                                    more.c * less.below - less.c * more.below})) {}
+
+Halfspace::Halfspace(const std::array<mpz_class, 4>& coefficients)
+    : whole_(std::make_shared<Whole>(coefficients)) {}
 
 const Kernel::Plane_3& Halfspace::plane() const {
   if (!plane_) {
@@ -231,7 +238,10 @@ const Kernel::Plane_3& Halfspace::plane() const {
   return *plane_;
 }
 
-Halfspace::Whole::Whole(std::array<mpz_class, 4> all) {
+Halfspace::Whole::Whole(const std::array<mpz_class, 5>& all)
+    : Whole(std::array<mpz_class, 4>{all[0], all[1], all[2], all[3]}) {}
+
+Halfspace::Whole::Whole(const std::array<mpz_class, 4>& all) {
   mpz_class factor = gcd(gcd(all[0], all[1]), gcd(all[2], all[3]));
   if (factor == 0) factor = 1;  // all are 0 where distances are equal everywhere
   mpz_class* to[4] = {&a, &b, &c, &d};
@@ -247,17 +257,8 @@ Halfspace::Whole::Whole(std::array<mpz_class, 4> all) {
   }
 }
 
-const Halfspace::Whole& Halfspace::whole() const {
-  if (!whole_) {
-    const Kernel::Plane_3& plane = *plane_;
-    const auto all = common<4>({plane.a(), plane.b(), plane.c(), plane.d()});
-    whole_ = std::make_shared<Whole>(std::array<mpz_class, 4>{all[0], all[1], all[2], all[3]});
-  }
-  return *whole_;
-}
-
 int Halfspace::side(const Corner& corner) const {
-  const auto& [a, b, c, d, rough] = whole();
+  const auto& [a, b, c, d, rough] = *whole_;
   const auto& [x, y, z] = corner.rough_;
   const double along[3] = {rough[0] * x, rough[1] * y, rough[2] * z};
   const double value = along[0] + along[1] + along[2] + rough[3];
@@ -270,7 +271,7 @@ int Halfspace::side(const Corner& corner) const {
 }
 
 Corner Halfspace::meeting(const Halfspace& p, const Halfspace& q, const Halfspace& r) {
-  const Whole &one = p.whole(), &two = q.whole(), &three = r.whole();
+  const Whole &one = *p.whole_, &two = *q.whole_, &three = *r.whole_;
   const mpz_class x = two.b * three.c - two.c * three.b;
   const mpz_class y = two.c * three.a - two.a * three.c;
   const mpz_class z = two.a * three.b - two.b * three.a;
@@ -311,6 +312,49 @@ bool clip(Polygon& polygon, const Kernel::Plane_3& plane) {
   return true;
 }
 
+bool Outline::clip(const Halfspace& plane, const Halfspace& by) {
+  std::vector<int> side;
+  side.reserve(corners.size());
+  for (const auto& corner : corners) side.push_back(by.side(*corner));
+  const auto [low, high] = std::minmax_element(side.begin(), side.end());
+  if (*low >= 0) return false;
+  if (*high <= 0) return true;
+  Outline kept;
+  const auto add = [&](std::shared_ptr<const Corner> corner, const Halfspace& beyond) {
+    kept.corners.push_back(std::move(corner));
+    kept.sides.push_back(beyond);
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::size_t j = (i + 1) % corners.size();
+    if (side[i] < 0 || (side[i] == 0 && side[j] <= 0)) add(corners[i], sides[i]);
+    if (side[i] == 0 && side[j] > 0) add(corners[i], by);
+    if (side[i] * side[j] >= 0) continue;
+    const auto crossing = std::make_shared<Corner>(Halfspace::meeting(plane, sides[i], by));
+    add(crossing, side[i] < 0 ? by : sides[i]);
+  }
+  *this = std::move(kept);
+  return true;
+}
+
+Polygon Outline::polygon() const {
+  Polygon polygon;
+  for (const auto& corner : corners) polygon.push_back(corner->point());
+  return polygon;
+}
+
+CGAL::Bbox_3 Outline::box() const {
+  CGAL::Bbox_3 box;
+  for (const auto& corner : corners) {
+    const auto& [x, y, z] = corner->rough();
+    box += {x, y, z, x, y, z};
+  }
+  double size = 0;
+  for (int i = 0; i < 3; ++i) size = std::max({size, std::abs(box.min(i)), std::abs(box.max(i))});
+  const double slack = 1e-14 * size;
+  return {box.xmin() - slack, box.ymin() - slack, box.zmin() - slack,
+          box.xmax() + slack, box.ymax() + slack, box.zmax() + slack};
+}
+
 Polytope::Sides Polytope::sides(const Halfspace& plane) const {
   Sides sides{false, false};
   for (const auto& corner : corners) {
@@ -338,10 +382,35 @@ Polygon Polytope::polygon(const Facet& facet) const {
   return polygon;
 }
 
+std::vector<Outline> Polytope::outlines() const {
+  std::map<std::pair<Index, Index>, const Halfspace*> left_of;
+  const auto edges = [](const Facet& facet, auto use) {
+    const std::size_t count = facet.loop.size();
+    for (std::size_t i = 0; i < count; ++i) use(facet.loop[i], facet.loop[(i + 1) % count]);
+  };
+  for (const Facet& facet : facets) {
+    edges(facet, [&](Index from, Index to) { left_of[{from, to}] = facet.plane; });
+  }
+  std::vector<Outline> outlines(facets.size());
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    edges(facets[i], [&](Index from, Index to) {
+      outlines[i].corners.push_back(corners[from]);
+      outlines[i].sides.push_back(*left_of.at({to, from}));
+    });
+  }
+  return outlines;
+}
+
 std::vector<Place> Polytope::places() const {
   std::vector<Place> places;
   for (const auto& corner : corners) places.push_back(corner->rough());
   return places;
+}
+
+Polytope Polytope::apart() const {
+  Polytope copy = *this;
+  for (auto& corner : copy.corners) corner = std::make_shared<Corner>(*corner);
+  return copy;
 }
 
 Point Polytope::centre() const {

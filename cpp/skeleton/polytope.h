@@ -47,14 +47,20 @@ struct WholeLinear {
   WholeLinear(const Vector& u, const Number& c);
 };
 
-// What is on the negative side of a plane, or on it. Not for several threads at once.
+// What is on the negative side of a plane, or on it.
 class Halfspace {
  public:
-  Halfspace(const Kernel::Plane_3& plane) : plane_(plane) {}
-  // Where one is less than the other.
+  Halfspace(const Kernel::Plane_3& plane);
+  // Where one is less than the other. Not for several threads at once.
   Halfspace(const WholeLinear& less, const WholeLinear& more);
+  // Of a x + b y + c z + d.
+  explicit Halfspace(const std::array<mpz_class, 4>& coefficients);
 
   const Kernel::Plane_3& plane() const;
+  // Of a x + b y + c z + d, in whole numbers without a common factor.
+  std::array<const mpz_class*, 4> coefficients() const {
+    return {&whole_->a, &whole_->b, &whole_->c, &whole_->d};
+  }
   // Negative behind the plane, 0 on it.
   int side(const Corner& corner) const;
   // Where three planes meet that meet in one point.
@@ -66,13 +72,12 @@ class Halfspace {
     mpz_class a, b, c, d;
     double rough[4];
 
-    explicit Whole(std::array<mpz_class, 4> all);
+    explicit Whole(const std::array<mpz_class, 4>& all);
+    explicit Whole(const std::array<mpz_class, 5>& all);  // over the last one
   };
-  const Whole& whole() const;
 
-  // At least one is there.
-  mutable std::optional<Kernel::Plane_3> plane_;
-  mutable std::shared_ptr<const Whole> whole_;
+  mutable std::optional<Kernel::Plane_3> plane_;  // when asked for
+  std::shared_ptr<const Whole> whole_;
 };
 
 // Exact as the kernel's own, but without reducing fractions, since corners of polygons are
@@ -81,6 +86,19 @@ int side(const Kernel::Plane_3& plane, const Point& point);
 
 // Clips a polygon or a segment; false if nothing but a part of the border is left.
 bool clip(Polygon& polygon, const Kernel::Plane_3& plane);
+
+// A convex polygon in a plane.
+struct Outline {
+  std::vector<std::shared_ptr<const Corner>> corners;
+  // Each by the edge from a corner to the next; the polygon is behind all of them.
+  std::vector<Halfspace> sides;
+
+  // False if nothing but a part of the border is left.
+  bool clip(const Halfspace& plane, const Halfspace& by);
+  Polygon polygon() const;
+  // Around it, and more than rounding errors.
+  CGAL::Bbox_3 box() const;
+};
 
 struct Facet {
   const Halfspace* plane;   // the polytope is behind it
@@ -98,7 +116,11 @@ struct Polytope {
   // False if nothing is left. The plane must outlive the polytope.
   bool clip(const Halfspace& plane);
   Polygon polygon(const Facet& facet) const;
+  // Of every facet.
+  std::vector<Outline> outlines() const;
   std::vector<Place> places() const;
+  // With corners of its own, for another thread.
+  Polytope apart() const;
   Point centre() const;
   double volume() const;  // rounded
 };

@@ -49,7 +49,11 @@ class Overlay {
   Overlay(const Kernel::Plane_3& plane, const std::vector<Tile>& tiles) : chart_(chart(plane)) {
     for (const Tile& tile : tiles) {
       outlines_.emplace_back();
-      for (const Point& corner : tile.polygon) outlines_.back().push_back(chart_.down(corner));
+      boxes_.emplace_back();
+      for (const Point& corner : tile.polygon) {
+        outlines_.back().push_back(chart_.down(corner));
+        boxes_.back() += outlines_.back().back().bbox();
+      }
       insert(outlines_.back());
       for (const Polygon& line : tile.lines) insert({chart_.down(line[0]), chart_.down(line[1])});
     }
@@ -87,8 +91,9 @@ class Overlay {
   std::optional<Sides> sides(const std::vector<Tile>& tiles, Face face) const {
     const Flat inside = CGAL::centroid(face->vertex(0)->point(), face->vertex(1)->point(),
                                        face->vertex(2)->point());
+    const CGAL::Bbox_2 box = inside.bbox();
     for (std::size_t i = 0; i < tiles.size(); ++i) {
-      if (!holds(outlines_[i], inside)) continue;
+      if (!CGAL::do_overlap(boxes_[i], box) || !holds(outlines_[i], inside)) continue;
       const Sides found = tiles[i].sides(chart_.up(inside));
       return found.back == found.front ? std::nullopt : std::optional<Sides>(found);
     }
@@ -127,7 +132,8 @@ class Overlay {
 
   Chart chart_;
   Mesh mesh_;
-  std::vector<std::vector<Flat>> outlines_;
+  std::vector<std::vector<Flat>> outlines_;  // of tiles
+  std::vector<CGAL::Bbox_2> boxes_;          // of outlines
   std::vector<std::optional<Sides>> sides_;  // by region
 };
 
@@ -138,27 +144,15 @@ bool Sides::operator==(const Sides& other) const {
          planes[0] == other.planes[0] && planes[1] == other.planes[1];
 }
 
-std::pair<PlaneNames::Key, bool> PlaneNames::key(const Kernel::Plane_3& plane) {
-  const Rational whole[4] = {CGAL::exact(plane.a()), CGAL::exact(plane.b()), CGAL::exact(plane.c()),
-                             CGAL::exact(plane.d())};
-  int lead = 0;
-  while (CGAL::sign(whole[lead]) == CGAL::ZERO) ++lead;
-  Key key;
-  for (int i = 0; i < 4; ++i) key[i] = whole[i] / whole[lead];
-  return {key, CGAL::sign(whole[lead]) == CGAL::NEGATIVE};
-}
-
-PlaneNames::Name PlaneNames::name(const Kernel::Plane_3& plane) {
-  const auto [key, flipped] = PlaneNames::key(plane);
-  const auto [at, fresh] = names_.try_emplace(key, static_cast<Index>(planes_.size()));
-  if (fresh) {
-    planes_.emplace_back(Number(key[0]), Number(key[1]), Number(key[2]), Number(key[3]));
+PlaneName plane_name(const Halfspace& plane) {
+  const auto whole = plane.coefficients();
+  std::size_t lead = 0;
+  while (*whole[lead] == 0) ++lead;
+  PlaneName name{{}, *whole[lead] < 0};
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    name.key[i] = name.flipped ? mpz_class(-*whole[i]) : *whole[i];
   }
-  return {at->second, flipped};
-}
-
-bool PlaneNames::has(const Kernel::Plane_3& plane) const {
-  return names_.count(key(plane).first) != 0;
+  return name;
 }
 
 std::vector<Seam> seams(const Kernel::Plane_3& plane, const std::vector<Tile>& tiles) {
@@ -221,13 +215,13 @@ std::vector<Point> PointIndex::between(const Point& from, const Point& to) const
   return found;
 }
 
-void triangulate(const Kernel::Plane_3& plane, const std::vector<Seam>& seams,
-                 const PointIndex& index, PointNames& names, std::vector<Triangle>& triangles) {
+std::vector<Triangle> triangulate(const Kernel::Plane_3& plane, const std::vector<Seam>& seams,
+                                  const PointIndex& index, const PointNames& names) {
   const Chart flat = chart(plane);
   Mesh mesh;
   const auto vertex = [&](const Point& point) {
     const Vertex at = mesh.insert(flat.down(point));
-    at->info() = names.name(point);
+    at->info() = names.at(point);
     return at;
   };
   // What is to the left of an edge.
@@ -251,6 +245,7 @@ void triangulate(const Kernel::Plane_3& plane, const std::vector<Seam>& seams,
       if (at != left.end()) sides[face->info()] = at->second;
     }
   }
+  std::vector<Triangle> triangles;
   for (Face face : mesh.finite_face_handles()) {
     if (const auto& at = sides[face->info()]) {
       triangles.push_back(
@@ -261,6 +256,7 @@ void triangulate(const Kernel::Plane_3& plane, const std::vector<Seam>& seams,
            {at->planes[0], at->planes[1]}});
     }
   }
+  return triangles;
 }
 
 }  // namespace transect::skeleton::partial

@@ -3,6 +3,8 @@
 // although each plane is triangulated on its own.
 #pragma once
 
+#include <gmpxx.h>
+
 #include <array>
 #include <functional>
 #include <map>
@@ -24,25 +26,15 @@ struct Sides {
   bool operator==(const Sides& other) const;
 };
 
-// Planes by their coefficients, so that equal ones have one name.
-class PlaneNames {
- public:
-  struct Name {
-    Index plane;
-    bool flipped;
-  };
-  Name name(const Kernel::Plane_3& plane);
-  bool has(const Kernel::Plane_3& plane) const;
-  const std::vector<Kernel::Plane_3>& planes() const { return planes_; }
+// The coefficients of a plane in whole numbers without a common factor, the first that is
+// not 0 positive.
+using PlaneKey = std::array<mpz_class, 4>;
 
- private:
-  using Rational = Kernel::Exact_kernel::FT;
-  using Key = std::array<Rational, 4>;
-  // The coefficients over the first that is not 0, and whether that is negative.
-  static std::pair<Key, bool> key(const Kernel::Plane_3& plane);
-  std::map<Key, Index> names_;
-  std::vector<Kernel::Plane_3> planes_;
+struct PlaneName {
+  PlaneKey key;
+  bool flipped;  // whether the key's normal is opposite
 };
+PlaneName plane_name(const Halfspace& plane);
 
 // A convex part of a plane, and the lines on it where sides change.
 struct Tile {
@@ -67,6 +59,8 @@ class PointNames {
   explicit PointNames(const std::vector<Point>& points);
 
   Index name(const Point& point);
+  // Of a point that has one.
+  Index at(const Point& point) const { return names_.at(point); }
   const std::vector<Point>& points() const { return points_; }
 
  private:
@@ -92,7 +86,7 @@ class PointIndex {
   double width_[3];               // of the widest entry
 };
 
-void triangulate(const Kernel::Plane_3& plane, const std::vector<Seam>& seams,
-                 const PointIndex& index, PointNames& names, std::vector<Triangle>& triangles);
+std::vector<Triangle> triangulate(const Kernel::Plane_3& plane, const std::vector<Seam>& seams,
+                                  const PointIndex& index, const PointNames& names);
 
 }  // namespace transect::skeleton::partial

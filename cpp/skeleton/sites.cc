@@ -1,7 +1,10 @@
 #include "transect/cpp/skeleton/sites.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -163,25 +166,17 @@ class Zones {
       on_edge_.push_back(map.along(corner(i), corner(i + 1), inside - corner(i)));
       is_inner_.push_back(map.is_inner(corner(i), corner(i + 1)));
       at_corner_.push_back({{}, {map.at(corner(i), inside - corner(i))}});
+      known_ways_.push_back(map.known_ways(corner(i)));
     }
   }
 
   Zone prism(int side) const {
     const Vector ray = gauge_.farthest(normal_ * side);
     const Vector u = normal_ * side / (normal_ * side * ray);
-    std::vector<Halfspace> bounds;
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      bounds.push_back(spanned(corner(i), corner(i + 1) - corner(i), ray, corner(i + 2)));
-    }
-    return {through(u, corners_[0]), std::move(bounds), corners_, {ray, ray}, {}};
+    return {through(u, corners_[0]), corners_, {ray, ray}, {}};
   }
 
-  // Both sides of the plane, without bounds but the plane.
-  std::vector<Zone> both_sides() const {
-    std::vector<Zone> zones{prism(1), prism(-1)};
-    for (Zone& zone : zones) zone.bounds = {own_side(zone)};
-    return zones;
-  }
+  std::vector<Zone> both_sides() const { return {prism(1), prism(-1)}; }
 
   void add_outline(std::vector<std::array<Place, 2>>& outline) const {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -190,8 +185,7 @@ class Zones {
   }
 
   std::vector<Zone> all() const {
-    std::vector<Zone> zones{prism(1), prism(-1)};
-    for (Zone& zone : zones) zone.bounds.push_back(own_side(zone));
+    std::vector<Zone> zones = both_sides();
     for (const Gauge::Facet& facet : gauge_.facets) zones.push_back(on_facet(facet));
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       for (const Gauge::Edge& edge : gauge_.edges) {
@@ -209,26 +203,6 @@ class Zones {
     return distance;
   }
 
-  static Kernel::Plane_3 own_side(const Zone& prism) {
-    const auto& [u, c] = prism.distance;
-    return {-u.x(), -u.y(), -u.z(), c};
-  }
-
-  // The plane through p along v and w, with the other point behind it.
-  static Kernel::Plane_3 spanned(const Point& p, const Vector& v, const Vector& w,
-                                 const Point& behind) {
-    const Kernel::Plane_3 plane(p, CGAL::cross_product(v, w));
-    return plane.has_on_positive_side(behind) ? plane.opposite() : plane;
-  }
-
-  // A side of the cone of a facet of the gauge, from a point.
-  Kernel::Plane_3 side(const Gauge::Facet& facet, Index edge, const Point& from) const {
-    const auto& [v, w] = gauge_.edges[edge].corners;
-    Vector middle = CGAL::NULL_VECTOR;
-    for (Index c : facet.corners) middle += gauge_.corners[c];
-    return spanned(from, gauge_.corners[v], gauge_.corners[w], from + middle);
-  }
-
   const Point& corner(std::size_t i) const { return corners_[i % corners_.size()]; }
 
   // Around a corner, or an edge that is parallel to the facet.
@@ -243,10 +217,10 @@ class Zones {
         return parallel(distance, facet, i);
       }
     }
-    std::vector<Halfspace> bounds;
-    for (Index edge : facet.edges) bounds.push_back(side(facet, edge, corners_[best]));
     const Vector& ray = gauge_.corners[facet.corners[0]];
-    return {distance, std::move(bounds), {corners_[best]}, {ray, ray}, at_corner_[best]};
+    const bool is_inner = std::any_of(known_ways_[best].begin(), known_ways_[best].end(),
+                                      [&](const Vector& way) { return facet.polar * way > 0; });
+    return {distance, {corners_[best]}, {ray, ray}, at_corner_[best], is_inner};
   }
 
   // Feet follow the facet's corners that are farthest away from the edge to both sides;
@@ -262,15 +236,7 @@ class Zones {
       if (at > high || (at == high && c < most)) most = c;
     }
     const Vector &low = gauge_.corners[least], &high = gauge_.corners[most];
-    std::vector<Halfspace> bounds{spanned(corner(i), along, low, corner(i) + high),
-                                  spanned(corner(i), along, high, corner(i) + low)};
-    for (Index edge : facet.edges) {
-      const Kernel::Plane_3 at_start = side(facet, edge, corner(i));
-      const bool ends = at_start.orthogonal_vector() * along > 0;
-      bounds.push_back(ends ? side(facet, edge, corner(i + 1)) : at_start);
-    }
-    return {distance,    std::move(bounds), {corner(i), corner(i + 1)},
-            {low, high}, on_edge_[i],       is_inner_[i]};
+    return {distance, {corner(i), corner(i + 1)}, {low, high}, on_edge_[i], is_inner_[i]};
   }
 
   // The facet that an edge of the site and one of the gauge span, if it is one of their
@@ -285,11 +251,7 @@ class Zones {
     const Linear distance = through(left + (right - left) * t, corner(i));
     if (distance.at(corner(i + 2)) >= 0) return {};
     const Vector &v = gauge_.corners[edge.corners[0]], &w = gauge_.corners[edge.corners[1]];
-    std::vector<Halfspace> bounds{
-        spanned(corner(i), v, w, corner(i + 1)), spanned(corner(i + 1), v, w, corner(i)),
-        spanned(corner(i), along, v, corner(i) + w), spanned(corner(i), along, w, corner(i) + v)};
-    return Zone{distance, std::move(bounds), {corner(i), corner(i + 1)},
-                {v, w},   on_edge_[i],       is_inner_[i]};
+    return Zone{distance, {corner(i), corner(i + 1)}, {v, w}, on_edge_[i], is_inner_[i]};
   }
 
   const Gauge& gauge_;
@@ -297,6 +259,7 @@ class Zones {
   const Vector& normal_;
   std::vector<PlanarMap::Along> on_edge_, at_corner_;
   std::vector<bool> is_inner_;
+  std::vector<std::vector<Vector>> known_ways_;
 };
 
 }  // namespace
@@ -368,20 +331,31 @@ Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces) {
   return body;
 }
 
-std::size_t count_sites(const PartialCell& cell) {
-  std::size_t count = 0;
-  for (const CellPlane& patch : cell.patches) {
-    count += face(cell, patch, border(cell, patch))->map.known().size();
-  }
-  return count;
-}
-
 Gauge gauge(const PartialCell& cell) {
   std::vector<Plane> planes;
   for (const CellPlane& wall : cell.walls) planes.push_back((*cell.planes)[wall.plane]);
   for (const CellPlane& patch : cell.patches) planes.push_back((*cell.planes)[patch.plane]);
   return Gauge(planes);
 }
+
+namespace {
+
+// Its plane, and the convex parts of what is known on it.
+std::vector<Site> patch_sites(const PartialCell& cell, const Gauge& gauge, const CellPlane& patch) {
+  const std::vector<Point> all = border(cell, patch);
+  const auto shared = face(cell, patch, all);
+  const Vector& normal = (*cell.planes)[patch.plane].normal;
+  std::vector<Site> sites{{shared, all, normal, Zones(gauge, all, normal).both_sides(), {}}};
+  for (const std::vector<Point>& polygon : shared->map.known()) {
+    Zones zones(gauge, polygon, normal);
+    zones.read(shared->map);
+    zones.add_outline(sites[0].outline);
+    sites.push_back({shared, polygon, normal, zones.all(), {}});
+  }
+  return sites;
+}
+
+}  // namespace
 
 std::vector<Site> sites(const PartialCell& cell, const Gauge& gauge) {
   std::vector<Site> sites;
@@ -391,18 +365,12 @@ std::vector<Site> sites(const PartialCell& cell, const Gauge& gauge) {
     sites.push_back({face(cell, wall, outline), outline, normal, {}, {}});
     sites.back().zones.push_back(Zones(gauge, outline, normal).prism(wall.side));
   }
-  for (const CellPlane& patch : cell.patches) {
-    const std::vector<Point> all = border(cell, patch);
-    const auto shared = face(cell, patch, all);
-    const Vector& normal = (*cell.planes)[patch.plane].normal;
-    const std::size_t plane = sites.size();
-    sites.push_back({shared, all, normal, Zones(gauge, all, normal).both_sides(), {}});
-    for (const std::vector<Point>& polygon : shared->map.known()) {
-      Zones zones(gauge, polygon, normal);
-      zones.read(shared->map);
-      zones.add_outline(sites[plane].outline);
-      sites.push_back({shared, polygon, normal, zones.all(), {}});
-    }
+  std::vector<std::vector<Site>> of_patches(cell.patches.size());
+  tbb::parallel_for(std::size_t{0}, of_patches.size(), [&](std::size_t i) {
+    of_patches[i] = patch_sites(cell, gauge, cell.patches[i]);
+  });
+  for (std::vector<Site>& own : of_patches) {
+    std::move(own.begin(), own.end(), std::back_inserter(sites));
   }
   return sites;
 }

@@ -43,15 +43,14 @@ struct Rough {
 
 struct Zone {
   Linear distance;
-  // The zone is behind all of them, within the cell.
-  std::vector<Halfspace> bounds;
   // The face, a polygon, an edge, or a corner.
   std::vector<Point> foot;
   // v and w, along which the distance grows by one; both are v for a face or a corner.
   Vector rays[2];
   // The labels on an edge or at a corner.
   PlanarMap::Along labels;
-  // Beyond the edge the next site is as near: nothing is nearest to this zone.
+  // Beyond the edge, or farther from the corner, another site is as near: nothing is nearest
+  // to this zone.
   bool is_inner = false;
 };
 
@@ -103,9 +102,6 @@ Shown shown(const Site& site, const Zone& zone, const Rough& distance,
 
 // Whether all feet on a plane from between some places are known, as far as doubles can tell.
 bool knows_all(const Site& plane, const Rough& distance, const std::vector<Place>& places);
-
-// How many sites the patches make.
-std::size_t count_sites(const PartialCell& cell);
 
 // The cell as a polytope. The half-spaces must outlive it.
 Polytope body(const PartialCell& cell, std::vector<Halfspace>& halfspaces);

@@ -11,10 +11,9 @@
 namespace transect::skeleton {
 namespace {
 
-// More convex sites of partial sections take minutes to hours, and gigabytes.
-constexpr std::size_t most_sites = 64;
-// As many corners of what is known make more sites than that.
-constexpr std::size_t most_corners = 1000;
+// What is known on partial sections is bounded by at most so many pieces: more take many
+// minutes, and gigabytes.
+constexpr std::size_t most_pieces = 30000;
 
 CellSurface between_full_sections(const Prepared& prepared, Index cell) {
   const Heights heights(prepared.scene, prepared.cells, cell);
@@ -92,16 +91,16 @@ bool is_closed(const PartialCell& cell, const PartialSurface& made) {
   });
 }
 
-CellSurface among_partial_sections(const Prepared& prepared, Index index) {
+CellSurface among_partial_sections(const Prepared& prepared, Index index, const Watch& watch) {
   std::vector<Index> shared;
   const PartialCell cell = prepared.patches.cell(index, shared);
   CellSurface result;
   if (!labels_differ(cell)) return result;
-  if (outline_size(cell) > most_corners || partial_sites(cell) > most_sites) {
+  if (outline_size(cell) > most_pieces) {
     result.is_left_out = true;
     return result;
   }
-  PartialSurface made = partial_surface(cell);
+  PartialSurface made = partial_surface(cell, watch);
   if (!is_closed(cell, made)) {
     result.is_left_out = true;
     return result;
@@ -127,8 +126,8 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index) {
 
 }  // namespace
 
-CellSurface surface(const Prepared& prepared, Index cell) {
-  return prepared.patches.in(cell) ? among_partial_sections(prepared, cell)
+CellSurface surface(const Prepared& prepared, Index cell, const Watch& watch) {
+  return prepared.patches.in(cell) ? among_partial_sections(prepared, cell, watch)
                                    : between_full_sections(prepared, cell);
 }
 

@@ -28,6 +28,7 @@ struct Prepared {
   const Patches& patches;
 };
 
-CellSurface surface(const Prepared& prepared, Index cell);
+// Whoever watches is told little of cells between full sections alone: they are done soon.
+CellSurface surface(const Prepared& prepared, Index cell, const Watch& watch);
 
 }  // namespace transect::skeleton

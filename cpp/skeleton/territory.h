@@ -20,11 +20,9 @@ class Territory {
   std::vector<Region>& regions() { return regions_; }
 
  private:
-  void settle(Owner owner);
-  bool is_wall(const Candidate& candidate) const;
-  bool keep_zone(Polytope& body, Owner owner);
-  bool keep_before_walls(Polytope& body, Owner owner);
-  std::vector<Polytope> without(const Polytope& body, Owner owner, const Candidate& rival);
+  void settle(const Candidate& own, Index zone);
+  bool keep_zone(Polytope& body, const Candidate& own, Index zone);
+  void keep_nearer(Polytope body, Owner owner, const Candidate& rival, std::vector<Polytope>& kept);
 
   const Leaf& leaf_;
   const Distances& distances_;

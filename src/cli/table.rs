@@ -112,7 +112,8 @@ fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
             out,
             "exact            {:.2} % of the box; in {parts} places too many sections are equally \
              near: most in cell {} around ({})",
-            100.0 * exact.exact_share,
+            // Not 100 % where something is not.
+            (1e4 * exact.exact_share).floor() / 100.0,
             first.cell,
             first.at.map(number).join(", ")
         )?;

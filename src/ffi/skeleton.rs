@@ -1,6 +1,10 @@
 //! The exact reconstruction by straight skeletons, with CGAL's exact kernel
 //! (`cpp/skeleton.cc` and `cpp/skeleton/`).
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::progress::Progress;
+
 #[cxx::bridge(namespace = "transect::skeleton")]
 mod bridge {
     /// Sections in the box. Labels are numbers; `u32::MAX` is unknown.
@@ -72,6 +76,12 @@ mod bridge {
         second: Vec<u32>,
     }
 
+    extern "Rust" {
+        type Watcher<'a>;
+        /// This part of the cell is done, roughly. From any thread.
+        unsafe fn reach<'a>(self: &Watcher<'a>, part: f64);
+    }
+
     unsafe extern "C++" {
         include!("transect/cpp/skeleton.h");
 
@@ -96,11 +106,41 @@ mod bridge {
         /// Where sections contradict each other.
         fn contradictions(self: &Skeleton) -> Result<Vec<ContradictionOutput>>;
         /// The surfaces in a cell. Several threads may ask at once.
-        fn surface(self: &Skeleton, cell: u32, exact: bool) -> Result<CellOutput>;
+        fn surface(
+            self: &Skeleton,
+            cell: u32,
+            exact: bool,
+            watcher: &Watcher,
+        ) -> Result<CellOutput>;
     }
 }
 
 pub use bridge::*;
+
+/// Passes on how far one cell has come.
+pub struct Watcher<'a> {
+    progress: &'a dyn Progress,
+    done: AtomicU64,
+}
+
+impl<'a> Watcher<'a> {
+    /// The steps of one cell.
+    pub const STEPS: u64 = 1000;
+
+    /// Nothing is done yet.
+    pub fn new(progress: &'a dyn Progress) -> Self {
+        Self { progress, done: AtomicU64::new(0) }
+    }
+
+    /// This part of the cell is done; less than before says nothing.
+    pub fn reach(&self, part: f64) {
+        let steps = (part.clamp(0.0, 1.0) * Self::STEPS as f64) as u64;
+        let before = self.done.fetch_max(steps, Ordering::Relaxed);
+        if steps > before {
+            self.progress.advance(steps - before);
+        }
+    }
+}
 
 // SAFETY: after `prepare` nothing in a Skeleton is written but what CGAL's lazy
 // numbers guard by themselves, and those that cells share are exact by then.

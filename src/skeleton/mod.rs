@@ -11,6 +11,7 @@
 //! Where they contradict each other, or where contours touch in projection, an
 //! edge of it can have four triangles or a vertex two fans.
 
+mod closed;
 mod input;
 mod merge;
 mod splits;
@@ -21,7 +22,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
-use crate::ffi::skeleton::{self as ffi, CellOutput, ContradictionOutput};
+use crate::ffi::skeleton::{self as ffi, CellOutput, ContradictionOutput, Watcher};
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::plane::Bounds;
@@ -143,7 +144,7 @@ pub struct Details {
     pub inexact: Vec<Inexact>,
     /// The part of the box's volume that is exact.
     pub exact_share: f64,
-    /// Those with too many known parts of partial sections, which have no surface: the
+    /// Those with too many edges of what partial sections know, which have no surface: the
     /// mesh is not closed around them.
     pub left_out: Vec<u32>,
     /// The accuracy of distances that sufficed.
@@ -153,7 +154,8 @@ pub struct Details {
 /// Reconstructs exactly what is in a box; its faces are outside.
 ///
 /// # Errors
-/// When two planes are too nearly parallel to be told apart in 4096 bits.
+/// When two planes are too nearly parallel to be told apart in 4096 bits, or when surfaces do
+/// not fit together, which is a bug.
 pub fn skeleton(
     sections: &[Section],
     bounds: Bounds,
@@ -165,12 +167,13 @@ pub fn skeleton(
     let tolerance = TOLERANCE * bounds.diagonal();
     let input = input::input(sections, bounds, tolerance, options.bits);
     let prepared = ffi::prepare(&input).map_err(failed)?;
-    progress.begin("skeleton", prepared.cells().into());
+    progress.begin("skeleton", u64::from(prepared.cells()) * Watcher::STEPS);
     let outputs = (0..prepared.cells())
         .into_par_iter()
         .map(|cell| {
-            let output = prepared.surface(cell, options.exact).map_err(failed);
-            progress.advance(1);
+            let watcher = Watcher::new(progress);
+            let output = prepared.surface(cell, options.exact, &watcher).map_err(failed);
+            watcher.reach(1.0);
             output
         })
         .collect::<Result<Vec<CellOutput>>>()?;
@@ -183,6 +186,9 @@ pub fn skeleton(
     }
     let contradictions = prepared.contradictions().map_err(failed)?;
     let mut made = joined.into_skeleton(prepared.contours());
+    if made.details.left_out.is_empty() {
+        closed::require_closed(&made)?;
+    }
     if options.exact {
         untie(&mut made);
     } else {
