@@ -77,7 +77,9 @@ impl Network {
         self.mesh.vertices[vertex as usize] != before[vertex as usize]
     }
 
-    /// The vertices that are on another side of a plane than they were.
+    /// The vertices that are on another side of a plane than they were. One that was on it,
+    /// because a triangle with all corners on one contour was divided, may leave it to the
+    /// side on which everything around it was.
     fn beyond(&self, before: &[DVec3], planes: &[Plane]) -> BTreeSet<u32> {
         let largest = before.iter().fold(0.0, |size: f64, at| size.max(at.abs().max_element()));
         let near = ON * largest;
@@ -86,11 +88,18 @@ impl Network {
             let distance = normal.dot(point) - offset;
             if distance.abs() <= near { 0.0 } else { distance.signum() }
         };
+        let neighbours = self.neighbours();
         (0..before.len() as u32)
             .into_par_iter()
             .filter(|&vertex| {
                 let [was, is] = [before, &self.mesh.vertices].map(|all| all[vertex as usize]);
-                was != is && planes.iter().any(|plane| side(plane, was) != side(plane, is))
+                was != is
+                    && planes.iter().any(|plane| {
+                        let (from, to) = (side(plane, was), side(plane, is));
+                        let around = neighbours[vertex as usize].iter();
+                        let mut around = around.map(|&other| side(plane, before[other as usize]));
+                        from != to && (from != 0.0 || around.any(|of| of == -to))
+                    })
             })
             .collect::<Vec<u32>>()
             .into_iter()

@@ -17,6 +17,8 @@ use crate::mesh::sheets::join_ends;
 
 /// Rounds of splitting, collapsing, flipping and projecting back.
 const ROUNDS: u32 = 3;
+/// This part of the way to vertices beside it goes what divides a chord.
+const OFF_CHORD: f64 = 0.25;
 
 /// A patch with vertices of its own: where the network's surface touches itself
 /// in a vertex, a patch has one for each fan.
@@ -108,6 +110,27 @@ impl Network {
         parts
     }
 
+    /// Moves what divides chords a little to vertices beside it that lie on no border. A
+    /// triangle with all corners on one contour, which lies in its plane, is bent out of it:
+    /// the section says something else there.
+    fn leave_chords(&mut self, names: &[Option<u32>]) {
+        let is_new = |vertex: u32| vertex as usize >= names.len();
+        let is_inner = |vertex: u32| matches!(names.get(vertex as usize), Some(None));
+        let mut beside: BTreeMap<u32, Vec<DVec3>> = BTreeMap::new();
+        for triangle in &self.mesh.triangles {
+            for &vertex in triangle.iter().filter(|&&vertex| is_new(vertex)) {
+                let inner = triangle.iter().filter(|&&other| is_inner(other));
+                let places = inner.map(|&other| self.mesh.vertices[other as usize]);
+                beside.entry(vertex).or_default().extend(places);
+            }
+        }
+        for (vertex, places) in beside.into_iter().filter(|(_, places)| !places.is_empty()) {
+            let middle = places.iter().sum::<DVec3>() / places.len() as f64;
+            let place = &mut self.mesh.vertices[vertex as usize];
+            *place = place.lerp(middle, OFF_CHORD);
+        }
+    }
+
     /// All patches, in the order of their first triangles.
     fn pieces_of_patches(&self) -> Vec<Piece> {
         let count = self.mesh.triangles.len();
@@ -184,6 +207,7 @@ impl Network {
             sides: vec![piece.sides; patch.triangles.len() / 3],
         });
         part.divide(&part.chords(&names));
+        part.leave_chords(&names);
         let numbers: Vec<u32> = (0..part.mesh.vertices.len())
             .map(|at| match names.get(at).copied().flatten() {
                 Some(vertex) => vertex,
