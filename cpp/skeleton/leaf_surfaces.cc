@@ -1,7 +1,6 @@
 #include "transect/cpp/skeleton/leaf_surfaces.h"
 
 #include <algorithm>
-#include <deque>
 #include <utility>
 
 namespace transect::skeleton::partial {
