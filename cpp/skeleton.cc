@@ -198,10 +198,11 @@ rust::Vec<ContradictionOutput> Skeleton::contradictions() const {
   return out;
 }
 
-CellOutput Skeleton::surface(std::uint32_t cell, bool exact, const Watcher& watcher) const {
-  const CellSurface made =
-      skeleton::surface({parts_->scene, parts_->cells, *parts_->line_points, *parts_->patches},
-                        cell, [&](double part) { watcher.reach(part); });
+CellOutput Skeleton::surface(std::uint32_t cell, bool exact, std::uint32_t most_pieces,
+                             const Watcher& watcher) const {
+  const CellSurface made = skeleton::surface(
+      {parts_->scene, parts_->cells, *parts_->line_points, *parts_->patches, most_pieces}, cell,
+      [&](double part) { watcher.reach(part); });
   CellOutput out;
   out.is_left_out = made.is_left_out;
   out.inexact_parts = static_cast<std::uint32_t>(made.inexact.leaves);

@@ -27,7 +27,8 @@ class Skeleton {
   rust::Vec<rust::String> exact_points() const;
   rust::Vec<std::uint32_t> contours() const;
   rust::Vec<ContradictionOutput> contradictions() const;
-  CellOutput surface(std::uint32_t cell, bool exact, const Watcher& watcher) const;
+  CellOutput surface(std::uint32_t cell, bool exact, std::uint32_t most_pieces,
+                     const Watcher& watcher) const;
 
  private:
   struct Parts;

@@ -11,10 +11,6 @@
 namespace transect::skeleton {
 namespace {
 
-// What is known on partial sections is bounded by at most so many pieces: more take many
-// minutes, and gigabytes.
-constexpr std::size_t most_pieces = 30000;
-
 CellSurface between_full_sections(const Prepared& prepared, Index cell) {
   const Heights heights(prepared.scene, prepared.cells, cell);
   if (!heights.labels_differ()) return {};
@@ -96,7 +92,7 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index, const 
   const PartialCell cell = prepared.patches.cell(index, shared);
   CellSurface result;
   if (!labels_differ(cell)) return result;
-  if (outline_size(cell) > most_pieces) {
+  if (outline_size(cell) > prepared.most_pieces) {
     result.is_left_out = true;
     return result;
   }

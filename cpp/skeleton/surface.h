@@ -26,6 +26,8 @@ struct Prepared {
   const Cells& cells;
   const LinePoints& line_points;
   const Patches& patches;
+  // A cell with more pieces between known and unknown has no surface.
+  std::size_t most_pieces;
 };
 
 // Whoever watches is told little of cells between full sections alone: they are done soon.

@@ -105,11 +105,13 @@ mod bridge {
         fn contours(self: &Skeleton) -> Vec<u32>;
         /// Where sections contradict each other.
         fn contradictions(self: &Skeleton) -> Result<Vec<ContradictionOutput>>;
-        /// The surfaces in a cell. Several threads may ask at once.
+        /// The surfaces in a cell, unless it has more pieces between known and unknown
+        /// than `most_pieces`. Several threads may ask at once.
         fn surface(
             self: &Skeleton,
             cell: u32,
             exact: bool,
+            most_pieces: u32,
             watcher: &Watcher,
         ) -> Result<CellOutput>;
     }

@@ -23,6 +23,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::ffi::skeleton::{self as ffi, CellOutput, ContradictionOutput, Watcher};
+use crate::grid::memory::available_memory;
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::plane::Bounds;
@@ -39,6 +40,12 @@ const TOLERANCE: f64 = 1e-3;
 /// Nearer vertices are one, relative to the box's diagonal, unless exact
 /// coordinates are kept: rounding errors of neighbours are about that large.
 const MERGED: f64 = 1e-12;
+
+/// With more pieces between known and unknown a cell takes more than ten minutes.
+const MOST_PIECES: u32 = 20_000;
+
+/// Memory for each, at most (320,000 bytes were measured).
+const PIECE_BYTES: u64 = 400_000;
 
 /// How the exact reconstruction is done.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,11 +175,13 @@ pub fn skeleton(
     let input = input::input(sections, bounds, tolerance, options.bits);
     let prepared = ffi::prepare(&input).map_err(failed)?;
     progress.begin("skeleton", u64::from(prepared.cells()) * Watcher::STEPS);
+    let most_pieces = most_pieces(prepared.cells());
     let outputs = (0..prepared.cells())
         .into_par_iter()
         .map(|cell| {
             let watcher = Watcher::new(progress);
-            let output = prepared.surface(cell, options.exact, &watcher).map_err(failed);
+            let output =
+                prepared.surface(cell, options.exact, most_pieces, &watcher).map_err(failed);
             watcher.reach(1.0);
             output
         })
@@ -202,6 +211,14 @@ pub fn skeleton(
     let inexact: f64 = details.inexact.iter().map(|inexact| inexact.volume).sum();
     details.exact_share = 1.0 - inexact / bounds.size().element_product();
     Ok(made)
+}
+
+/// How many pieces between known and unknown a cell may have: so many as are done in
+/// minutes, and as fit into memory when all threads have such a cell.
+fn most_pieces(cells: u32) -> u32 {
+    let at_once = u64::from(cells).min(rayon::current_num_threads() as u64).max(1);
+    let fitting = available_memory() / (PIECE_BYTES * at_once);
+    u32::try_from(fitting).unwrap_or(u32::MAX).min(MOST_PIECES)
 }
 
 /// Joins vertices that rounding can hardly tell apart, unless that turns a solid that is as
