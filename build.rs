@@ -10,7 +10,8 @@ fn main() {
         .into_iter()
         .filter(|path| path.file_name().is_some_and(|name| name != "mod.rs"))
         .collect::<Vec<_>>();
-    let sources = [files_with("cpp", "cc"), files_with("cpp/skeleton", "cc")].concat();
+    let sources =
+        ["cpp", "cpp/complex", "cpp/skeleton"].map(|folder| files_with(folder, "cc")).concat();
 
     let flags = library_flags();
     let mut build = cxx_build::bridges(&bridges);
@@ -42,7 +43,7 @@ fn main() {
     for library in values(&flags, "link") {
         link(library);
     }
-    for folder in ["src/ffi", "cpp", "cpp/skeleton", "cmake"] {
+    for folder in ["src/ffi", "cpp", "cpp/complex", "cpp/skeleton", "cmake"] {
         println!("cargo:rerun-if-changed={folder}");
         for path in files_with(folder, "") {
             println!("cargo:rerun-if-changed={}", path.display());

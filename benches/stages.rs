@@ -13,9 +13,9 @@ use std::time::Instant;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use transect::arrangement::Arrangement;
 use transect::change::Change;
 use transect::check::{self, check};
+use transect::complex::Complex;
 use transect::error::{Error, Result};
 use transect::field::{Adapter, Boundaries, Cpu, Device, Field, Gpu, Queries, Reference, Run};
 use transect::grid::lattice::Resolution;
@@ -82,7 +82,7 @@ fn main() -> Result<()> {
     }
     println!("\n{:<22}{:>14}  G edge evaluations a second (× the reference)", "", "edges/point");
     for (name, model, _) in &models {
-        rates(name, arrangement(model)?)?;
+        rates(name, complex(model)?)?;
     }
     println!("\n{:<22}{:>14}  M unknowns × iterations a second of the solver", "", "unknowns");
     for (name, model, _) in &models {
@@ -127,9 +127,9 @@ fn name(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn arrangement(model: &Model) -> Result<&Arrangement> {
-    let arrangement = model.derived().and_then(|derived| derived.arrangement.as_ref());
-    arrangement.ok_or_else(|| Error::Option("nothing was derived".into()))
+fn complex(model: &Model) -> Result<&Complex> {
+    let complex = model.derived().and_then(|derived| derived.complex.as_ref());
+    complex.ok_or_else(|| Error::Option("nothing was derived".into()))
 }
 
 /// One row of the table of stages; returns the model and the seconds of all
@@ -184,7 +184,7 @@ fn growth(file: &Path) -> Result<()> {
 
 /// One row of the table of the exact reconstruction.
 fn exact_seconds(name: &str, model: &Model) -> Result<()> {
-    let bounds = arrangement(model)?.bounds();
+    let bounds = complex(model)?.bounds();
     let sections = &model.sections().sections;
     let start = Instant::now();
     let exact = skeleton(sections, bounds, &skeleton::Options::default(), &Silent)?;
@@ -205,7 +205,7 @@ fn exact_seconds(name: &str, model: &Model) -> Result<()> {
 /// One row of the table of the oracle: all sections full, and a fifth unknown.
 fn oracle_rates(name: &str, model: &Model, partial: &Model) -> Result<()> {
     print!("{name:<22}");
-    let bounds = arrangement(model)?.bounds();
+    let bounds = complex(model)?.bounds();
     let sections = &model.sections().sections;
     let plain = rate_of(bounds, ORACLE_POINTS[1], |point| plain_label(sections, bounds, point));
     for (model, what) in [(model, "full"), (partial, "a fifth unknown")] {
@@ -255,13 +255,13 @@ fn plain_label(sections: &[Section], bounds: Bounds, point: DVec3) -> Label {
 }
 
 /// One row of the table of backends.
-fn rates(name: &str, arrangement: &Arrangement) -> Result<()> {
-    let clearance = 1e-4 * arrangement.bounds().diagonal();
-    let boundaries = Boundaries::new(arrangement, clearance, None)?;
+fn rates(name: &str, complex: &Complex) -> Result<()> {
+    let clearance = 1e-4 * complex.bounds().diagonal();
+    let boundaries = Boundaries::new(complex, clearance, None)?;
     let reference = Reference::new(&boundaries)?;
     let cpu = Cpu::new(&boundaries)?;
     let gpu = Gpu::new(&boundaries, Adapter::Any);
-    let per_point = queries(arrangement, &cpu, 10_000);
+    let per_point = queries(complex, &cpu, 10_000);
     let edges = per_point.edge_evaluations(&cpu) as f64 / per_point.points.len() as f64;
     print!("{name:<22}{edges:>14.0}");
     let mut of_reference = f64::NAN;
@@ -272,7 +272,7 @@ fn rates(name: &str, arrangement: &Arrangement) -> Result<()> {
             print!("  {backend} skipped: no adapter");
             continue;
         };
-        let rate = rate(field, &queries(arrangement, field, points))?;
+        let rate = rate(field, &queries(complex, field, points))?;
         if backend == "reference" {
             of_reference = rate;
         }
@@ -284,7 +284,7 @@ fn rates(name: &str, arrangement: &Arrangement) -> Result<()> {
 
 /// One row of the table of the variational solver's backends.
 fn solver_rates(name: &str, model: &Model) -> Result<()> {
-    let bounds = arrangement(model)?.bounds();
+    let bounds = complex(model)?.bounds();
     let lattice = Lattice::new(bounds, SOLVER_VOXELS)?;
     let trial = Trial::new(&model.sections().sections, bounds, &lattice, &Variational::default())?;
     print!("{name:<22}{:>14}", trial.unknowns());
@@ -313,19 +313,19 @@ fn rate(field: &dyn Field, queries: &Queries) -> Result<f64> {
 
 /// About `count` points, spread evenly over the cells that need evaluation:
 /// on the way from a cell's middle to the middles of its faces.
-fn queries(arrangement: &Arrangement, field: &dyn Field, count: usize) -> Queries {
+fn queries(complex: &Complex, field: &dyn Field, count: usize) -> Queries {
     let cells: Vec<u32> =
-        (0..arrangement.cells().len() as u32).filter(|&cell| field.edges(cell) > 0).collect();
+        (0..complex.cells().len() as u32).filter(|&cell| field.edges(cell) > 0).collect();
     let each = count.div_ceil(cells.len().max(1)).max(1);
     let mut queries = Queries::default();
     for cell in cells {
         let start = queries.points.len();
-        let faces = &arrangement.cells()[cell as usize].faces;
-        let corners = || faces.iter().flat_map(|&face| arrangement.outline(face));
+        let faces = &complex.cells()[cell].faces;
+        let corners = || faces.iter().flat_map(|&face| complex.outline(face));
         let middle =
             corners().fold(DVec3::ZERO, |sum, &corner| sum + corner) / corners().count() as f64;
         for place in 0..each {
-            let outline = arrangement.outline(faces[place % faces.len()]);
+            let outline = complex.outline(faces[place % faces.len()]);
             let goal = outline[place % outline.len()];
             let part = (place as f64 + 0.5) / each as f64;
             queries.points.push(middle.lerp(goal, 0.98 * part));

@@ -4,7 +4,7 @@
 //! ```text
 //! section ─► variational ───────────► grid ─► mesh ─► check ─► report, io, picture
 //!  exact ╎      f32                    f32     f64     CGAL
-//!        └► arrangement ─► field ───────┘        ╎
+//!        └► complex ─► field ───────┘        ╎
 //!        └► skeleton (exact) ────────────────────┘
 //!             └────── model::Model applies a change::Change ──────┘
 //! ```
@@ -15,7 +15,7 @@
 //!
 //! - a [`section::Section`] is valid by construction: its edges meet only in
 //!   vertices, and every region has one label, decided exactly;
-//! - an [`arrangement::Arrangement`] passes its `sanity_check` on every run;
+//! - a [`complex::Complex`] passes its `sanity_check` on every run;
 //! - a [`field::Field`] reproduces constants: where one label borders a cell,
 //!   or a group of cells joined through unknown regions, its value is 1 exactly;
 //! - in [`grid::samples::Samples`] every node of the lattice has a label, and
@@ -29,12 +29,13 @@
 //!
 //! `docs/architecture.md` says why.
 
-pub mod arrangement;
 mod capping;
 pub mod change;
 pub mod check;
 pub mod cli;
 pub mod compare;
+pub mod complex;
+mod components;
 pub mod crosscheck;
 pub mod direction;
 pub mod error;
@@ -60,6 +61,7 @@ pub mod report;
 pub mod section;
 pub mod skeleton;
 pub mod slice;
+pub mod slots;
 pub mod stage;
 pub mod variational;
 pub mod volume;

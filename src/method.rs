@@ -2,7 +2,7 @@
 //! method does not use cannot be given to it.
 //!
 //! They stand on three seams. A *kernel* is evaluated in the cells of the
-//! arrangement by a backend ([`MeanValue`]); a *solver* fills the leaves of a grid
+//! complex by a backend ([`MeanValue`]); a *solver* fills the leaves of a grid
 //! ([`Variational`]); and a *surface* is made directly ([`Skeleton`]). The first two
 //! make samples, which a mesher turns into a surface.
 

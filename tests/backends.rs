@@ -6,7 +6,7 @@ mod common;
 use std::time::Instant;
 
 use glam::DVec3;
-use transect::arrangement::Arrangement;
+use transect::complex::Complex;
 use transect::error::Error;
 use transect::field::{Adapter, Boundaries, Cpu, Field, Gpu, Queries, Reference, Run};
 use transect::io::read_sections;
@@ -40,11 +40,11 @@ fn spread(index: usize) -> DVec3 {
 }
 
 /// Points all over the box, sorted by cell.
-fn queries(arrangement: &Arrangement) -> Queries {
-    let bounds = arrangement.bounds();
+fn queries(complex: &Complex) -> Queries {
+    let bounds = complex.bounds();
     let mut located: Vec<(u32, DVec3)> = (0..POINTS)
         .map(|index| bounds.min + spread(index) * bounds.size())
-        .map(|point| (arrangement.locate(point), point))
+        .map(|point| (complex.locate(point), point))
         .collect();
     located.sort_by_key(|&(cell, _)| cell);
     let mut queries = Queries::default();
@@ -93,11 +93,11 @@ fn backends(boundaries: &Boundaries) -> Vec<Box<dyn Field>> {
 fn check(name: &str) {
     let Some(path) = common::data(name) else { return };
     let sections = read_sections(&path, &Rules::default()).unwrap().sections;
-    let arrangement = Arrangement::new(&sections, bounds(&sections), Label::OUTSIDE).unwrap();
-    let diagonal = arrangement.bounds().diagonal();
-    let boundaries = Boundaries::new(&arrangement, CLEARANCE * diagonal, None).unwrap();
+    let complex = Complex::new(&sections, bounds(&sections), Label::OUTSIDE).unwrap();
+    let diagonal = complex.bounds().diagonal();
+    let boundaries = Boundaries::new(&complex, CLEARANCE * diagonal, None).unwrap();
     let reference = Reference::new(&boundaries).unwrap();
-    let queries = queries(&arrangement);
+    let queries = queries(&complex);
     println!("{name}: {} edge evaluations", queries.edge_evaluations(&reference));
     let expected = evaluate(&reference, &queries);
     for field in backends(&boundaries) {

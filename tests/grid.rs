@@ -5,7 +5,7 @@ mod common;
 use std::time::Instant;
 
 use common::data;
-use transect::arrangement::Arrangement;
+use transect::complex::Complex;
 use transect::field::{self, Boundaries, Device};
 use transect::grid::lattice::Resolution;
 use transect::grid::memory::estimate_memory;
@@ -38,18 +38,17 @@ fn reconstructs(name: &str, voxels: u32) {
     let sections = read_sections(&path, &Rules::default()).unwrap();
     let around = sections.bounds().unwrap();
     let bounds = around.grown(0.05 * around.diagonal());
-    let arrangement = Arrangement::new(&sections.sections, bounds, Label::OUTSIDE).unwrap();
+    let complex = Complex::new(&sections.sections, bounds, Label::OUTSIDE).unwrap();
     clock.lap("reading, arrangement");
     let lattice = Lattice::new(bounds, Resolution::Voxels(voxels)).unwrap();
     let estimate = estimate_memory(&lattice, &sections.sections, sections.materials.len());
-    let boundaries = Boundaries::new(&arrangement, 0.02 * lattice.voxel, None).unwrap();
+    let boundaries = Boundaries::new(&complex, 0.02 * lattice.voxel, None).unwrap();
     let field = field::new(&boundaries, Device::Cpu).unwrap();
     clock.lap("field");
     let sections = &sections;
     let list = &sections.sections;
     let starts = Starts::new(list, boundaries.completion(), &lattice);
-    let sampling =
-        sample(&arrangement, field.as_ref(), &starts, &lattice, Margin(1), &Silent).unwrap();
+    let sampling = sample(&complex, field.as_ref(), &starts, &lattice, Margin(1), &Silent).unwrap();
     let (leaves, points) = (sampling.samples.valued.len(), sampling.points);
     clock.lap(&format!(
         "sampling: {leaves} leaves, {points} points, estimate {} MB",

@@ -4,7 +4,7 @@ mod common;
 
 use common::data;
 use glam::{DVec2, DVec3};
-use transect::arrangement::Arrangement;
+use transect::complex::Complex;
 use transect::field::{Boundaries, Cpu, Field, Queries, Run};
 use transect::io::read_sections;
 use transect::label::Label;
@@ -92,8 +92,8 @@ fn the_field_agrees_where_it_must() {
     for name in ["csl/Elephant.csl", "csl/Vetebrae.csl", "csl/Heart-25-even-better.csl"] {
         let Some((sections, bounds)) = read(name) else { continue };
         let oracle = Oracle::new(&sections, bounds, Label::OUTSIDE).unwrap();
-        let arrangement = Arrangement::new(&sections, bounds, Label::OUTSIDE).unwrap();
-        let boundaries = Boundaries::new(&arrangement, 1e-9 * bounds.diagonal(), None).unwrap();
+        let complex = Complex::new(&sections, bounds, Label::OUTSIDE).unwrap();
+        let boundaries = Boundaries::new(&complex, 1e-9 * bounds.diagonal(), None).unwrap();
         let field = Cpu::new(&boundaries).unwrap();
         let points = spread(bounds, 20_000);
         let must: Vec<DVec3> =
@@ -101,11 +101,7 @@ fn the_field_agrees_where_it_must() {
         assert!(must.len() > 1_000, "{name}: {}", must.len());
         for &point in &must {
             let expected = oracle.nearest(point).label;
-            assert_eq!(
-                label_of(&field, arrangement.locate(point), point),
-                expected,
-                "{name} {point}"
-            );
+            assert_eq!(label_of(&field, complex.locate(point), point), expected, "{name} {point}");
         }
     }
 }

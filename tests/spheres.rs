@@ -204,7 +204,7 @@ fn all_domains_of_four_balls_come_back() {
         assert!(facts.closed && facts.outward, "domain {:04b}", label.label);
         assert!(error.abs() < 0.05, "domain {:04b} is off by {error}", label.label);
     }
-    let bounds = derived.arrangement.as_ref().expect("cells").bounds();
+    let bounds = derived.complex.as_ref().expect("cells").bounds();
     let sum: f64 = found.labels.iter().map(|label| label.facts.volume).sum();
     let whole = sum + outside_volume(mesh, bounds);
     assert!((whole / bounds.volume() - 1.0).abs() < 1e-6, "{whole} of {}", bounds.volume());

@@ -1,208 +1,92 @@
 #include "transect/cpp/skeleton/cells.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numeric>
-#include <stdexcept>
 #include <string>
 #include <unordered_map>
+
+#include "transect/cpp/complex/complex.h"
 
 namespace transect::skeleton {
 namespace {
 
-Point meeting_point(const Plane& a, const Plane& b, const Plane& c) {
-  const Vector bc = CGAL::cross_product(b.normal, c.normal);
-  const Vector ca = CGAL::cross_product(c.normal, a.normal);
-  const Vector ab = CGAL::cross_product(a.normal, b.normal);
-  return CGAL::ORIGIN + (a.offset * bc + b.offset * ca + c.offset * ab) / (a.normal * bc);
-}
-
-bool are_parallel(const Plane& a, const Plane& b) {
-  return CGAL::cross_product(a.normal, b.normal) == CGAL::NULL_VECTOR;
-}
-
-// Cuts cells by one plane after another.
-class Cutter {
+// The cell complex of all full sections' planes, in the scene's numbers.
+class Translator {
  public:
-  Cutter(Scene& scene, Cells& cells) : scene_(scene), cells_(cells) {}
-
-  // The box as one cell: its planes are lower and upper x, y, z.
-  void start() {
-    const Index box = static_cast<Index>(scene_.sections.size());
-    Index corner[2][2][2];
-    for (int x : {0, 1}) {
-      for (int y : {0, 1}) {
-        for (int z : {0, 1}) {
-          const Index a = box + x, b = box + 2 + y, c = box + 4 + z;
-          corner[x][y][z] = scene_.points.add(
-              meeting_point(scene_.planes[a], scene_.planes[b], scene_.planes[c]), {a, b, c});
-        }
-      }
+  explicit Translator(Scene& scene) : scene_(scene), complex_(bounds(scene), outside) {
+    for (Index plane = 0; plane < 6; ++plane) planes_[plane] = scene.sections.size() + plane;
+    for (Index plane = 0; plane < scene.sections.size(); ++plane) {
+      if (!scene.bounds_cells(plane)) continue;
+      const complex::Plane own(numbers(scene.planes[plane].normal),
+                               CGAL::to_double(scene.planes[plane].offset));
+      if (complex_.coincident(own) == complex::none) planes_[complex_.insert(own)] = plane;
     }
-    Cell cell{Sides(scene_.planes.size(), 0), {}};
-    for (int axis = 0; axis < 3; ++axis) {
-      for (int upper : {0, 1}) {
-        Facet facet{box + 2 * axis + upper, {}, 0, none, {}, outside};
-        for (int step = 0; step < 4; ++step) {
-          int at[3];
-          at[axis] = upper;
-          at[(axis + 1) % 3] = step == 1 || step == 2;
-          at[(axis + 2) % 3] = step >= 2;
-          facet.corners.push_back(corner[at[0]][at[1]][at[2]]);
-        }
-        // The normal points inward: down the axis on the upper side.
-        if (upper) std::reverse(facet.corners.begin(), facet.corners.end());
-        cell.sides[facet.plane] = 1;
-        cell.facets.push_back(static_cast<Index>(cells_.facets.size()));
-        cells_.facets.push_back(std::move(facet));
-      }
-    }
-    cells_.cells.push_back(std::move(cell));
   }
 
-  void cut(Index plane) {
-    plane_ = plane;
-    in_front_.clear();
-    crossings_.clear();
-    const std::size_t count = cells_.cells.size();
-    for (Index cell = 0; cell < count; ++cell) {
-      bool front = false, behind = false;
-      for (Index facet : cells_.cells[cell].facets) {
-        // A facet cut on behalf of the cell beyond has its front part elsewhere.
-        if (in_front_.count(facet)) front = true;
-        for (Index corner : cells_.facets[facet].corners) {
-          front = front || side(corner) > 0;
-          behind = behind || side(corner) < 0;
-        }
-      }
-      if (front && behind) {
-        cut_cell(cell);
-      } else {
-        cells_.cells[cell].sides[plane] = front ? 1 : -1;
-      }
+  Cells cells() {
+    const auto& facets = complex_.facets();
+    const auto& cells = complex_.cells();
+    Cells result;
+    // Nothing was removed: numbers have no gaps.
+    for (Index id = 0; id < facets.end(); ++id) result.facets.push_back(facet(facets[id]));
+    for (Index id = 0; id < cells.end(); ++id) {
+      Cell cell{Sides(scene_.planes.size(), 0), cells[id].facets};
+      for (Index index : cell.facets) add_sides(result.facets[index], cell.sides);
+      result.cells.push_back(std::move(cell));
     }
+    return result;
   }
 
  private:
-  std::int8_t side(Index point) const { return scene_.points.side(point, plane_); }
-
-  // The cell keeps the part behind the plane, a new one gets that in front.
-  void cut_cell(Index cell) {
-    const Index other = static_cast<Index>(cells_.cells.size());
-    std::vector<Index> front, behind;
-    for (Index facet : std::vector<Index>(cells_.cells[cell].facets)) {
-      cut_facet(facet);
-      const auto cut = in_front_.find(facet);
-      if (cut != in_front_.end()) {
-        behind.push_back(facet);
-        front.push_back(cut->second);
-      } else {
-        const auto& corners = cells_.facets[facet].corners;
-        const bool is_front = std::any_of(corners.begin(), corners.end(),
-                                          [&](Index corner) { return side(corner) > 0; });
-        (is_front ? front : behind).push_back(facet);
-      }
-    }
-    for (Index facet : front) {
-      Facet& own = cells_.facets[facet];
-      if (own.front == cell) own.front = other;
-      if (own.behind == cell) own.behind = other;
-    }
-    const Index lid = static_cast<Index>(cells_.facets.size());
-    cells_.facets.push_back({plane_, lid_corners(cell, behind), other, cell, {}, outside});
-    front.push_back(lid);
-    behind.push_back(lid);
-    Cell made{cells_.cells[cell].sides, std::move(front)};
-    made.sides[plane_] = 1;
-    cells_.cells[cell].sides[plane_] = -1;
-    cells_.cells[cell].facets = std::move(behind);
-    cells_.cells.push_back(std::move(made));
+  static std::array<double, 3> numbers(const Vector& normal) {
+    return {CGAL::to_double(normal.x()), CGAL::to_double(normal.y()), CGAL::to_double(normal.z())};
   }
 
-  void cut_facet(Index facet) {
-    if (in_front_.count(facet)) return;  // for the cell beyond
-    std::vector<Index> front, behind;
-    const std::vector<Index> corners = cells_.facets[facet].corners;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Index here = corners[i], next = corners[(i + 1) % corners.size()];
-      if (side(here) >= 0) front.push_back(here);
-      if (side(here) <= 0) behind.push_back(here);
-      if (side(here) * side(next) < 0) {
-        const Index point = crossing(here, next);
-        front.push_back(point);
-        behind.push_back(point);
-      }
+  // The scene's last six planes are lower and upper x, y, z, their normals pointing inward.
+  static std::array<double, 6> bounds(const Scene& scene) {
+    std::array<double, 6> bounds;
+    for (Index i = 0; i < 6; ++i) {
+      const double offset = CGAL::to_double(scene.planes[scene.sections.size() + i].offset);
+      bounds[i] = i % 2 == 0 ? offset : -offset;
     }
-    if (front.size() < 3 || behind.size() < 3) return;
-    Facet made = cells_.facets[facet];
-    made.corners = std::move(front);
-    cells_.facets[facet].corners = std::move(behind);
-    in_front_[facet] = static_cast<Index>(cells_.facets.size());
-    cells_.facets.push_back(std::move(made));
+    return bounds;
   }
 
-  // Where the edge between two corners crosses the plane.
-  Index crossing(Index one, Index other) {
-    const auto key = std::minmax(one, other);
-    const auto found = crossings_.find(key);
-    if (found != crossings_.end()) return found->second;
-    const Sides &a = scene_.points.sides(one), &b = scene_.points.sides(other);
-    std::vector<Index> through;  // two planes whose line the edge is on
-    for (Index plane = 0; plane < a.size() && through.size() < 2; ++plane) {
-      if (a[plane] != 0 || b[plane] != 0) continue;
-      if (!through.empty() && are_parallel(scene_.planes[through[0]], scene_.planes[plane])) {
-        continue;
-      }
-      through.push_back(plane);
+  Facet facet(const complex::Facet& own) {
+    Facet facet{planes_.at(own.plane), {}, own.cells[0], own.cells[1], {}, outside};
+    for (complex::Id corner : own.corners) facet.corners.push_back(point(corner));
+    if (own.plane < 6) {  // normals point outward there
+      std::reverse(facet.corners.begin(), facet.corners.end());
+      std::swap(facet.front, facet.behind);
     }
-    if (through.size() < 2) throw std::logic_error("an edge of a cell is on less than two planes");
-    const Point point =
-        meeting_point(scene_.planes[through[0]], scene_.planes[through[1]], scene_.planes[plane_]);
-    Sides sides(a.size());
-    for (Index plane = 0; plane < sides.size(); ++plane) {
-      const bool decided = a[plane] * b[plane] >= 0;
-      sides[plane] =
-          decided ? (a[plane] != 0 ? a[plane] : b[plane]) : scene_.points.side_of(point, plane);
-    }
-    sides[plane_] = 0;
-    const Index made = scene_.points.add(point, std::move(sides));
-    crossings_.emplace(key, made);
-    return made;
+    return facet;
   }
 
-  // The polygon that closes the part behind the plane, counter-clockwise about
-  // the plane's normal: against the direction in which its facets, seen from
-  // outside, run along it.
-  std::vector<Index> lid_corners(Index cell, const std::vector<Index>& facets) const {
-    std::map<Index, Index> next;
-    for (Index index : facets) {
-      const Facet& facet = cells_.facets[index];
-      for (std::size_t i = 0; i < facet.corners.size(); ++i) {
-        const Index from = facet.corners[i], to = facet.corners[(i + 1) % facet.corners.size()];
-        if (side(from) != 0 || side(to) != 0) continue;
-        const bool faces_outward = facet.behind == cell;
-        faces_outward ? next[to] = from : next[from] = to;
+  Index point(complex::Id place) {
+    const auto [found, is_new] = points_.emplace(place, none);
+    if (!is_new) return found->second;
+    std::vector<Index> known;
+    for (complex::Id plane : complex_.places()[place].planes) known.push_back(planes_.at(plane));
+    found->second = scene_.points.add(complex_.places()[place].exact, known);
+    return found->second;
+  }
+
+  void add_sides(const Facet& facet, Sides& sides) const {
+    for (Index corner : facet.corners) {
+      for (Index plane = 0; plane < sides.size(); ++plane) {
+        if (sides[plane] == 0 && scene_.bounds_cells(plane)) {
+          sides[plane] = scene_.points.side(corner, plane);
+        }
       }
     }
-    std::vector<Index> corners;
-    if (next.empty()) throw std::logic_error("a cut cell has no lid");
-    Index corner = next.begin()->first;
-    do {
-      corners.push_back(corner);
-      const auto found = next.find(corner);
-      if (found == next.end() || corners.size() > next.size()) {
-        throw std::logic_error("the lid of a cut cell is not closed");
-      }
-      corner = found->second;
-    } while (corner != corners.front());
-    return corners;
   }
 
   Scene& scene_;
-  Cells& cells_;
-  Index plane_ = none;
-  std::unordered_map<Index, Index> in_front_;  // the front parts of cut facets
-  std::map<std::pair<Index, Index>, Index> crossings_;
+  complex::Complex complex_;
+  std::map<complex::Id, Index> planes_;
+  std::unordered_map<complex::Id, Index> points_;
 };
 
 // What no other facet has: the plane, and the sides of all others.
@@ -277,12 +161,7 @@ void unite_points(Scene& scene, Cells& cells) {
 }  // namespace
 
 Cells make_cells(Scene& scene) {
-  Cells cells;
-  Cutter cutter(scene, cells);
-  cutter.start();
-  for (Index plane = 0; plane < scene.sections.size(); ++plane) {
-    if (scene.bounds_cells(plane)) cutter.cut(plane);
-  }
+  Cells cells = Translator(scene).cells();
   unite_points(scene, cells);
   place_pieces(scene, cells);
   place_labels(scene, cells);

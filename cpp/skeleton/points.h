@@ -27,18 +27,13 @@ class Points {
   const Sides& sides(Index point) const { return sides_[point]; }
 
   // `known` are planes that the point is on.
-  Index add(const Point& point, std::initializer_list<Index> known) {
+  Index add(const Point& point, const std::vector<Index>& known) {
     point.exact();  // shared by threads from now on, and the same for all of them
     Sides sides(planes_.size(), 2);
     for (Index plane : known) sides[plane] = 0;
     for (Index plane = 0; plane < planes_.size(); ++plane) {
       if (sides[plane] == 2) sides[plane] = side_of(point, plane);
     }
-    return add(point, std::move(sides));
-  }
-
-  Index add(const Point& point, Sides sides) {
-    point.exact();
     points_.push_back(point);
     sides_.push_back(std::move(sides));
     return static_cast<Index>(points_.size() - 1);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::overlap::Here;
-use crate::arrangement::components;
+use crate::components::components;
 use crate::error::Result;
 use crate::label::Label;
 use crate::mesh::Mesh;

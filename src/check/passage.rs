@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::components::Components;
 use super::raster::{Raster, Region};
-use crate::arrangement::components;
+use crate::components::components;
 use crate::label::Label;
 use crate::section::{Section, Stack};
 

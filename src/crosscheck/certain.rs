@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::arrangement::Arrangement;
+use crate::complex::Complex;
 use crate::error::{Error, Result};
 use crate::field::{Boundaries, Field, Queries, Reference, Run};
 use crate::label::Label;
@@ -26,7 +26,7 @@ const TOGETHER: usize = 1 << 16;
 #[derive(Clone, Copy)]
 pub struct Judges<'a> {
     /// The cells.
-    pub arrangement: &'a Arrangement,
+    pub complex: &'a Complex,
     /// Their boundaries.
     pub boundaries: &'a Boundaries<'a>,
     /// The field in them.
@@ -93,7 +93,7 @@ pub fn points(
     (drawn, seed): (u32, u64),
     progress: &dyn Progress,
 ) -> Result<Points> {
-    let drawn = draw(judges.arrangement.bounds(), drawn, seed);
+    let drawn = draw(judges.complex.bounds(), drawn, seed);
     progress.begin("points", (nodes.len() + drawn.len()) as u64);
     let mut found =
         Points { drawn: drawn.len() as u64, seed, nodes: nodes.len() as u64, ..Points::default() };
@@ -150,8 +150,7 @@ struct Asked {
 impl Judges<'_> {
     /// Asks everybody.
     fn ask(&self, points: &[DVec3]) -> Result<Vec<Asked>> {
-        let cells: Vec<u32> =
-            points.par_iter().map(|&point| self.arrangement.locate(point)).collect();
+        let cells: Vec<u32> = points.par_iter().map(|&point| self.complex.locate(point)).collect();
         let exact = |&point: &DVec3| (self.oracle.nearest(point).label, self.must_agree(point));
         let exact: Vec<(Label, bool)> = points.par_iter().map(exact).collect();
         let values = values(self.field, points, &cells)?;

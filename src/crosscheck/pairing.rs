@@ -16,7 +16,8 @@ use serde::Serialize;
 
 use super::agreement::Pair;
 use super::rows::Rows;
-use crate::arrangement::{Arrangement, components};
+use crate::complex::Complex;
+use crate::components::components;
 use crate::grid::labels::LabelGrid;
 use crate::grid::runs::{Neighbors, Run, Runs};
 use crate::grid::samples::Lattice;
@@ -77,20 +78,15 @@ pub struct Region {
     pub nodes: u64,
 }
 
-/// Compares all cells. `names` are those of the arrangement's first planes.
-pub fn pairing(
-    arrangement: &Arrangement,
-    names: &[&str],
-    pair: &Pair,
-    progress: &dyn Progress,
-) -> Pairing {
-    let several = |cell: &u32| arrangement.cells()[*cell as usize].labels.len() > 1;
-    let cells: Vec<u32> = (0..arrangement.cells().len() as u32).filter(several).collect();
+/// Compares all cells.
+pub fn pairing(complex: &Complex, pair: &Pair, progress: &dyn Progress) -> Pairing {
+    let several = |cell: &u32| complex.cells()[*cell].labels.len() > 1;
+    let cells: Vec<u32> = complex.cells().ids().filter(several).collect();
     progress.begin("pairing", cells.len() as u64);
     let found: Vec<Option<Vec<Joined>>> = cells
         .par_iter()
         .map(|&cell| {
-            let found = Walls::new(arrangement, cell, pair).map(|walls| walls.differences(pair));
+            let found = Walls::new(complex, cell, pair).map(|walls| walls.differences(pair));
             progress.advance(1);
             found
         })
@@ -105,7 +101,7 @@ pub fn pairing(
     all.truncate(LISTED);
     let differences = all.into_iter().map(|(cell, joined)| Difference {
         cell,
-        sections: sections_around(arrangement, cell, names),
+        sections: sections_around(complex, cell),
         label: joined.label.0,
         joined_by: joined.by,
         regions: joined.regions,
@@ -113,15 +109,14 @@ pub fn pairing(
     Pairing { cells: cells.len(), thin, differ, differences: differences.collect() }
 }
 
-/// The names of the sections on whose planes a cell has faces.
-fn sections_around(arrangement: &Arrangement, cell: u32, names: &[&str]) -> Vec<String> {
-    let faces = arrangement.cells()[cell as usize].faces.iter();
-    let mut planes: Vec<u32> =
-        faces.map(|&face| arrangement.faces()[face as usize].plane).collect();
+/// The names of the sections on whose planes a cell has facets.
+fn sections_around(complex: &Complex, cell: u32) -> Vec<String> {
+    let mut planes: Vec<u32> = complex.facets_of(cell).map(|(_, facet)| facet.plane).collect();
     planes.sort_unstable();
-    planes.dedup();
-    let name = |plane: u32| names.get(plane as usize).map(|name| (*name).to_owned());
-    planes.into_iter().filter_map(name).collect()
+    let mut names: Vec<String> =
+        planes.into_iter().filter_map(|plane| complex.name(plane)).map(str::to_owned).collect();
+    names.dedup();
+    names
 }
 
 /// Two regions that are joined by one reconstruction alone.
@@ -144,9 +139,9 @@ struct Walls {
 
 impl Walls {
     /// `None` for a cell without a node away from its walls.
-    fn new(arrangement: &Arrangement, cell: u32, pair: &Pair) -> Option<Self> {
+    fn new(complex: &Complex, cell: u32, pair: &Pair) -> Option<Self> {
         let lattice = &pair.skeleton.lattice;
-        let rows = Rows::new(arrangement, cell, lattice)?;
+        let rows = Rows::new(complex, cell, lattice)?;
         let mut inside = false;
         let runs = Runs::new(rows.dims, |row, runs| {
             let [range, inner] = [rows.range(row), rows.inner(row)];

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::arrangement::Arrangement;
+use crate::complex::Complex;
 use crate::grid::samples::Lattice;
 use crate::plane::{Bounds, Plane};
 
@@ -21,9 +21,8 @@ pub struct Rows {
 
 impl Rows {
     /// The nodes in a cell that are in the box; `None` where there are none.
-    pub fn new(arrangement: &Arrangement, cell: u32, lattice: &Lattice) -> Option<Self> {
-        let faces = &arrangement.cells()[cell as usize].faces;
-        let corners = faces.iter().flat_map(|&face| arrangement.outline(face)).copied();
+    pub fn new(complex: &Complex, cell: u32, lattice: &Lattice) -> Option<Self> {
+        let corners = complex.facets_of(cell).flat_map(|(_, facet)| &facet.outline).copied();
         let bounds = Bounds::around(corners)?;
         let nodes = |point: DVec3| (point - lattice.origin) / lattice.voxel;
         let (low, high) = (nodes(bounds.min).ceil(), nodes(bounds.max).floor());
@@ -32,7 +31,7 @@ impl Rows {
             start..(high[axis] as i32 + 1).min(lattice.dims[axis] - 1).max(start)
         };
         let [x, y, z] = [range(0), range(1), range(2)];
-        let walls = walls(arrangement, cell);
+        let walls = walls(complex, cell);
         let mut ranges = Vec::with_capacity(x.len() * y.len());
         for i in x.clone() {
             ranges.extend(y.clone().map(|j| row_range(&walls, lattice, [i, j], z.clone())));
@@ -65,13 +64,11 @@ impl Rows {
     }
 }
 
-/// The planes of a cell's faces, each turned to the cell.
-fn walls(arrangement: &Arrangement, cell: u32) -> Vec<Plane> {
-    let faces = arrangement.cells()[cell as usize].faces.iter();
-    let inward = faces.map(|&face| {
-        let face = &arrangement.faces()[face as usize];
-        let plane = arrangement.planes()[face.plane as usize];
-        if face.cells[0] == Some(cell) {
+/// The planes of a cell's facets, each turned to the cell.
+fn walls(complex: &Complex, cell: u32) -> Vec<Plane> {
+    let inward = complex.facets_of(cell).map(|(_, facet)| {
+        let plane = complex.planes()[facet.plane];
+        if facet.cells[0] == Some(cell) {
             plane
         } else {
             Plane { normal: -plane.normal, offset: -plane.offset }

@@ -122,7 +122,7 @@ fn a_wrong_reference_is_a_violation() {
     let sections = |side| vec![rectangle(-0.1, square(side)), rectangle(0.1, square(side))];
     let findings = check(sections(0.5), 64);
     let derived = derived(&findings.model).unwrap();
-    let cells = derived.arrangement.as_ref().unwrap();
+    let cells = derived.complex.as_ref().unwrap();
     let boundaries = Boundaries::new(cells, 1e-4, None).unwrap();
     let field = field::new(&boundaries, Device::Cpu).unwrap();
     let (own, wrong) = (&findings.model.sections().sections, sections(0.2));
@@ -130,7 +130,7 @@ fn a_wrong_reference_is_a_violation() {
     let asked = |sections: &[Section]| {
         let oracle = Oracle::new(sections, bounds, Label::OUTSIDE).unwrap();
         let judges = certain::Judges {
-            arrangement: cells,
+            complex: cells,
             boundaries: &boundaries,
             field: field.as_ref(),
             oracle: &oracle,

@@ -12,7 +12,7 @@ use super::parts::{parts, positions};
 use super::report::{Distances, Found, SkeletonReport};
 use super::solids::{LabelSolids, solids};
 use super::{Kind, Options, derived};
-use crate::arrangement::Arrangement;
+use crate::complex::Complex;
 use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
 use crate::grid::evidence::Evidence;
@@ -60,7 +60,7 @@ struct Surfaces<'a> {
 #[derive(Clone, Copy)]
 struct Base<'a> {
     derived: &'a Derived,
-    arrangement: &'a Arrangement,
+    complex: &'a Complex,
     oracle: &'a Oracle<'a>,
 }
 
@@ -72,16 +72,16 @@ impl Work<'_> {
     pub fn compare(&self, other: Option<&Other>, stages: &mut Stages) -> Result<Compared> {
         let derived = derived(self.model)?;
         let bounds = bounds_of(self.model.sections())?;
-        let built = match derived.arrangement {
+        let built = match derived.complex {
             Some(_) => None,
             None => {
                 let border = self.options.border;
                 Some(arranged(self.sections(), bounds, border, stages, self.progress)?)
             }
         };
-        let arrangement = derived.arrangement.as_ref().or(built.as_ref()).ok_or_else(no_cells)?;
+        let complex = derived.complex.as_ref().or(built.as_ref()).ok_or_else(no_cells)?;
         let oracle = Oracle::new(self.sections(), bounds, self.options.border)?;
-        let base = Base { derived, arrangement, oracle: &oracle };
+        let base = Base { derived, complex, oracle: &oracle };
 
         let pair = self.labels(base, stages)?;
         let (skeleton, how) = self.skeleton(base, stages)?;
@@ -92,7 +92,7 @@ impl Work<'_> {
         let (agreement, differing) = self.agreement(&pair, stages)?;
         let nodes = positions(&pair, &differing);
         let points = self.points(base, &nodes, stages)?;
-        let pairing = self.pairing(arrangement, &pair, stages)?;
+        let pairing = self.pairing(complex, &pair, stages)?;
         let labels = self.solids(&surfaces, stages)?;
         let (distances, vertices) = self.distances(derived, &surfaces, stages)?;
         let depths = depths(&derived.samples.lattice, &differing);
@@ -134,7 +134,7 @@ impl Work<'_> {
         stages.run("skeleton", |counts| {
             let made = match is_partial {
                 true => self.sampled_skeleton(base),
-                false => self.exact_skeleton(base.arrangement.bounds()),
+                false => self.exact_skeleton(base.complex.bounds()),
             }?;
             counts.insert("triangles".into(), made.0.triangles.len() as u64);
             Ok(made)
@@ -196,10 +196,10 @@ impl Work<'_> {
         }
         stages.run("points", |counts| {
             let clearance = CLEARANCE * base.derived.samples.lattice.voxel;
-            let boundaries = Boundaries::new(base.arrangement, clearance, self.options.spacing)?;
+            let boundaries = Boundaries::new(base.complex, clearance, self.options.spacing)?;
             let field = field::new(&boundaries, self.options.device)?;
             let judges = Judges {
-                arrangement: base.arrangement,
+                complex: base.complex,
                 boundaries: &boundaries,
                 field: field.as_ref(),
                 oracle: base.oracle,
@@ -213,10 +213,9 @@ impl Work<'_> {
     }
 
     /// What is joined within cells.
-    fn pairing(&self, cells: &Arrangement, pair: &Pair, stages: &mut Stages) -> Result<Pairing> {
+    fn pairing(&self, cells: &Complex, pair: &Pair, stages: &mut Stages) -> Result<Pairing> {
         stages.run("pairing", |counts| {
-            let names: Vec<&str> = self.sections().iter().map(Section::name).collect();
-            let pairing = pairing(cells, &names, pair, self.progress);
+            let pairing = pairing(cells, pair, self.progress);
             counts.insert("cells".into(), pairing.cells as u64);
             Ok(pairing)
         })

@@ -1,7 +1,7 @@
 //! The bridges to C++: the only place where `cxx` appears. Flat slices cross
 //! them, in few calls; every function that can throw returns a `Result`.
 
-pub mod arrangement;
+pub mod complex;
 pub mod delaunay;
 pub mod fairing;
 pub mod measure;

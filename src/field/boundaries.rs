@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::completion::Completion;
-use crate::arrangement::{Arrangement, Face};
+use crate::complex::{Complex, Facet};
 use crate::error::{Error, Result};
 use crate::label::Label;
 
@@ -23,28 +23,29 @@ const SPACING: f64 = 1.0 / 16.0;
 /// would take all memory and show nothing more.
 const FINEST: f64 = 1.0 / 512.0;
 
-/// The boundaries of an arrangement's cells.
+/// The boundaries of a complex's cells.
 #[derive(Debug)]
 pub struct Boundaries<'a> {
-    arrangement: &'a Arrangement,
+    complex: &'a Complex,
     clearance: f64,
-    /// The known labels of each cell, sorted.
+    /// The known labels of each cell, sorted; none where there is no cell.
     labels: Vec<Vec<Label>>,
     completion: Completion,
 }
 
 /// The boundary of one cell.
 pub(super) struct Boundary<'a> {
-    pub arrangement: &'a Arrangement,
+    pub complex: &'a Complex,
     pub completion: &'a Completion,
     /// In world units.
     pub clearance: f64,
     pub labels: &'a [Label],
-    pub faces: &'a [u32],
+    /// None where there is no cell.
+    pub facets: &'a [u32],
 }
 
 impl<'a> Boundaries<'a> {
-    /// The boundaries of the cells of an arrangement. Distances to a plane
+    /// The boundaries of the cells of a complex. Distances to a plane
     /// below `clearance` count as `clearance`. Unknown regions are triangulated
     /// with edges of about `spacing`, a 16th of the box's longest side when
     /// none is given (both in world units, positive), and completed
@@ -53,8 +54,8 @@ impl<'a> Boundaries<'a> {
     /// # Errors
     /// [`Error::Option`] for a bad clearance or spacing (one below a 512th of
     /// the longest side, too), and where everything is unknown.
-    pub fn new(arrangement: &'a Arrangement, clearance: f64, spacing: Option<f64>) -> Result<Self> {
-        let bounds = arrangement.bounds();
+    pub fn new(complex: &'a Complex, clearance: f64, spacing: Option<f64>) -> Result<Self> {
+        let bounds = complex.bounds();
         let spacing = spacing.unwrap_or(SPACING * bounds.size().max_element());
         for (what, number) in [("clearance", clearance), ("spacing", spacing)] {
             if !(number.is_finite() && number > 0.0) {
@@ -71,11 +72,11 @@ impl<'a> Boundaries<'a> {
         }
         // Below this f32 could underflow.
         let clearance = clearance.max(SMALLEST_CLEARANCE * bounds.diagonal());
-        let completion = Completion::new(arrangement, clearance, spacing)?;
-        let labels = (0..arrangement.cells().len())
-            .map(|cell| known_labels(arrangement, &completion, cell))
+        let completion = Completion::new(complex, clearance, spacing)?;
+        let labels = (0..complex.cells().end() as u32)
+            .map(|cell| known_labels(complex, &completion, cell))
             .collect();
-        Ok(Self { arrangement, clearance, labels, completion })
+        Ok(Self { complex, clearance, labels, completion })
     }
 
     /// The distance that smaller ones to a plane count as, in world units.
@@ -83,7 +84,7 @@ impl<'a> Boundaries<'a> {
         self.clearance
     }
 
-    /// How many cells there are.
+    /// One more than the largest number of a cell.
     pub fn count(&self) -> usize {
         self.labels.len()
     }
@@ -95,38 +96,39 @@ impl<'a> Boundaries<'a> {
 
     pub(super) fn boundary(&self, cell: usize) -> Boundary<'_> {
         Boundary {
-            arrangement: self.arrangement,
+            complex: self.complex,
             completion: &self.completion,
             clearance: self.clearance,
             labels: &self.labels[cell],
-            faces: &self.arrangement.cells()[cell].faces,
+            facets: self.complex.cells().get(cell as u32).map_or(&[], |cell| &cell.facets),
         }
     }
 }
 
 impl<'a> Boundary<'a> {
-    /// The faces with their numbers.
-    pub fn faces(&self) -> impl Iterator<Item = (u32, &'a Face)> {
-        let arrangement = self.arrangement;
-        self.faces.iter().map(move |&face| (face, &arrangement.faces()[face as usize]))
+    /// The facets with their numbers.
+    pub fn facets(&self) -> impl Iterator<Item = (u32, &'a Facet)> {
+        let complex = self.complex;
+        self.facets.iter().map(move |&facet| (facet, &complex.facets()[facet]))
     }
 
-    /// The corners of the triangles on a face, in space.
-    pub fn triangles(&self, face: u32) -> impl Iterator<Item = [(u32, DVec3); 3]> {
+    /// The corners of the triangles on a facet, in space.
+    pub fn triangles(&self, facet: u32) -> impl Iterator<Item = [(u32, DVec3); 3]> {
         let place = |corner: u32| (corner, self.completion.point(corner));
-        self.completion.triangles(face).iter().map(move |corners| corners.map(place))
+        self.completion.triangles(facet).iter().map(move |corners| corners.map(place))
     }
 }
 
 /// The labels of a cell's known regions and of its completed ones.
-fn known_labels(arrangement: &Arrangement, completion: &Completion, cell: usize) -> Vec<Label> {
-    let cell = &arrangement.cells()[cell];
+fn known_labels(complex: &Complex, completion: &Completion, cell: u32) -> Vec<Label> {
+    let Some(cell) = complex.cells().get(cell) else { return Vec::new() };
     let mut labels = cell.labels.clone();
     if labels.contains(&Label::UNKNOWN) {
         labels.retain(|&label| label != Label::UNKNOWN);
         for (slot, &label) in completion.labels().iter().enumerate() {
             let shows = |corner: &u32| completion.share(*corner, slot) >= f64::from(NEGLIGIBLE);
-            let corners = cell.faces.iter().flat_map(|&face| completion.triangles(face)).flatten();
+            let corners =
+                cell.facets.iter().flat_map(|&facet| completion.triangles(facet)).flatten();
             if corners.into_iter().any(shows) {
                 labels.push(label);
             }

@@ -58,9 +58,9 @@ contract!(reference, cpu, cpu_baseline, gpu);
 
 /// The largest difference to the reference over random points.
 fn largest_difference(make: Make, stack: &Stack, random: &mut Random, per_cell: usize) -> f32 {
-    let arrangement = stack.arrangement();
-    let clearance = 1e-7 * arrangement.bounds().diagonal();
-    let boundaries = Boundaries::new(&arrangement, clearance, None).unwrap();
+    let complex = stack.complex();
+    let clearance = 1e-7 * complex.bounds().diagonal();
+    let boundaries = Boundaries::new(&complex, clearance, None).unwrap();
     let Some(field) = make(&boundaries) else { return 0.0 };
     let queries = stack.queries(random, per_cell);
     let expected = Reference::new(&boundaries).unwrap().evaluate(&queries).unwrap();
@@ -74,8 +74,8 @@ fn reproduces_constants(make: Make) {
     let mut busy = Pattern::plain(0);
     busy.patches.push(Patch::disc(DVec2::ZERO, 0.5, 20, 3, 0));
     let stack = Stack::new(vec![Pattern::plain(0), Pattern::plain(0), busy]);
-    let arrangement = stack.arrangement();
-    let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+    let complex = stack.complex();
+    let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
     assert_eq!(field.labels(0), [Label::OUTSIDE]);
     assert_eq!(field.labels(1), [Label::OUTSIDE, Label(3)]);
@@ -137,8 +137,8 @@ fn survives_far_offsets(make: Make) {
 fn sums_to_one(make: Make) {
     let mut random = Random(5);
     let stack = busy_stack(&mut random, 7, 25);
-    let arrangement = stack.arrangement();
-    let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+    let complex = stack.complex();
+    let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
     let values = field.evaluate(&stack.queries(&mut random, 200)).unwrap();
     let labels = field.labels(0).len();
@@ -156,8 +156,8 @@ fn tends_to_own_region(make: Make) {
     disc.patches.push(Patch::disc(DVec2::new(0.2, 0.1), 0.5, 40, 2, 1));
     let mut stack = Stack::new(vec![Pattern::plain(0), disc, Pattern::plain(0)]);
     stack.rotation = Random(6).rotation();
-    let arrangement = stack.arrangement();
-    let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+    let complex = stack.complex();
+    let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
     for (place, label) in [(DVec2::new(0.2, 0.1), 2), (DVec2::new(-0.7, -0.6), 1)] {
         for (cell, height) in [(0, -1e-4), (0, -1e-9), (0, 0.0), (1, 0.0), (1, 1e-9), (1, 1e-4)] {
@@ -176,8 +176,8 @@ fn tends_to_own_region(make: Make) {
 fn ignores_order_of_runs(make: Make) {
     let mut random = Random(7);
     let stack = busy_stack(&mut random, 3, 12);
-    let arrangement = stack.arrangement();
-    let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+    let complex = stack.complex();
+    let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
     let queries = stack.queries(&mut random, 150);
     let values = field.evaluate(&queries).unwrap();
@@ -202,8 +202,8 @@ fn ignores_order_of_runs(make: Make) {
 
 fn answers_nothing_with_nothing(make: Make) {
     let stack = busy_stack(&mut Random(8), 3, 12);
-    let arrangement = stack.arrangement();
-    let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+    let complex = stack.complex();
+    let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
     assert!(field.evaluate(&Queries::default()).unwrap().is_empty());
     let queries = Queries { points: vec![], runs: vec![Run { cell: 1, points: 0..0 }] };
@@ -214,15 +214,15 @@ fn answers_nothing_with_nothing(make: Make) {
 fn handles_many_labels(make: Make) {
     let mut random = Random(9);
     let stack = busy_stack(&mut random, 49, 8);
-    assert_eq!(stack.arrangement().cells()[0].labels.len(), 50);
+    assert_eq!(stack.complex().cells()[0].labels.len(), 50);
     let difference = largest_difference(make, &stack, &mut random, 200);
     assert!(difference < TOLERANCE, "{difference}");
 }
 
 fn refuses_bad_runs(make: Make) {
     let stack = busy_stack(&mut Random(10), 2, 6);
-    let arrangement = stack.arrangement();
-    let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+    let complex = stack.complex();
+    let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
     for runs in [
         vec![],
@@ -240,8 +240,8 @@ fn refuses_bad_runs(make: Make) {
 fn threads_change_nothing() {
     let mut random = Random(11);
     let stack = busy_stack(&mut random, 5, 20);
-    let arrangement = stack.arrangement();
-    let field = Cpu::new(&Boundaries::new(&arrangement, 1e-6, None).unwrap()).unwrap();
+    let complex = stack.complex();
+    let field = Cpu::new(&Boundaries::new(&complex, 1e-6, None).unwrap()).unwrap();
     let queries = stack.queries(&mut random, 1000);
     let [one, three] = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -259,8 +259,8 @@ fn reference_above_a_half_plane() {
     let pattern = Pattern { ground: Label::OUTSIDE, patches: vec![half] };
     let mut stack = Stack::new(vec![pattern, Pattern::plain(0)]);
     stack.scale = 1e6;
-    let arrangement = stack.arrangement();
-    let field = Reference::new(&Boundaries::new(&arrangement, 1e-3, None).unwrap()).unwrap();
+    let complex = stack.complex();
+    let field = Reference::new(&Boundaries::new(&complex, 1e-3, None).unwrap()).unwrap();
     assert_eq!(field.labels(0), [Label::OUTSIDE, Label(2)]);
     for s in [-2.0, -0.3, 0.0, 0.1, 1.0] {
         for gamma in [0.1_f64, 0.5, 2.0] {
@@ -274,13 +274,13 @@ fn reference_above_a_half_plane() {
 
 #[test]
 fn bad_clearances_and_spacings_are_refused() {
-    let arrangement = busy_stack(&mut Random(12), 2, 6).arrangement();
+    let complex = busy_stack(&mut Random(12), 2, 6).complex();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = Boundaries::new(&arrangement, bad, None).unwrap_err();
+        let error = Boundaries::new(&complex, bad, None).unwrap_err();
         assert!(error.to_string().contains("clearance"), "{error}");
-        let error = Boundaries::new(&arrangement, 1e-6, Some(bad)).unwrap_err();
+        let error = Boundaries::new(&complex, 1e-6, Some(bad)).unwrap_err();
         assert!(error.to_string().contains("spacing"), "{error}");
     }
-    let error = Boundaries::new(&arrangement, 1e-6, Some(1e-9)).unwrap_err();
+    let error = Boundaries::new(&complex, 1e-6, Some(1e-9)).unwrap_err();
     assert!(error.to_string().contains("too small"), "{error}");
 }

@@ -1,11 +1,11 @@
-//! Arrangements built by hand, and random numbers, for the tests.
+//! Complexes built by hand, and random numbers, for the tests.
 
 use std::collections::BTreeSet;
 
 use glam::{DMat3, DVec2, DVec3};
 
 use super::{Queries, Run};
-use crate::arrangement::{Arrangement, Cell, Face, FaceEdge};
+use crate::complex::{Cell, Complex, Facet, FacetEdge};
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};
 
@@ -105,29 +105,38 @@ impl Stack {
         self.patterns.len() - 1
     }
 
-    pub fn arrangement(&self) -> Arrangement {
+    pub fn complex(&self) -> Complex {
         let cells = self.cell_count() as u32;
         let mut planes = Vec::new();
-        let mut faces = Vec::new();
+        let mut facets = Vec::new();
         for (level, pattern) in self.patterns.iter().enumerate() {
             let z = level as f64 * self.thickness;
             planes.push(self.plane(DVec3::Z, DVec3::new(0.0, 0.0, z)));
-            faces.push(self.level_face(level as u32, z, pattern));
+            facets.push(self.level_facet(level as u32, z, pattern));
         }
         for wall in 0..4 {
             let turn = DMat3::from_rotation_z(f64::from(wall) * std::f64::consts::FRAC_PI_2);
             planes.push(self.plane(turn * DVec3::X, turn * DVec3::X));
             let plane = planes.len() as u32 - 1;
-            faces.extend((0..cells).map(|cell| self.wall_face(plane, cell, turn)));
+            facets.extend((0..cells).map(|cell| self.wall_facet(plane, cell, turn)));
         }
-        let cells = (0..cells).map(|cell| self.cell(cell, &faces)).collect();
-        let corners = faces.iter().flat_map(|face| face.edges.iter().map(|edge| edge.start));
+        let cells = (0..cells).map(|cell| self.cell(cell, &facets)).collect();
+        let corners =
+            facets.iter().flat_map(|facet: &Facet| facet.edges.iter().map(|edge| edge.start));
         let bounds = Bounds::around(corners).unwrap();
         let border = Label::OUTSIDE;
-        Arrangement { bounds, border, planes, faces, cells, topology: Default::default() }
+        let names = Default::default();
+        Complex {
+            bounds,
+            border,
+            planes: planes.into(),
+            facets: facets.into(),
+            cells: Vec::into(cells),
+            names,
+        }
     }
 
-    fn level_face(&self, plane: u32, z: f64, pattern: &Pattern) -> Face {
+    fn level_facet(&self, plane: u32, z: f64, pattern: &Pattern) -> Facet {
         let lift = |point: DVec2| self.place(point.extend(z));
         let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(DVec2::from);
         let mut edges = border(&square.map(lift), pattern.ground, None);
@@ -136,24 +145,24 @@ impl Stack {
             edges.extend(border(&corners, patch.inside, Some(patch.around)));
         }
         let above = (plane < self.cell_count() as u32).then_some(plane);
-        face(plane, [above, plane.checked_sub(1)], edges)
+        facet(plane, [above, plane.checked_sub(1)], edges)
     }
 
     /// A wall, seen from outside.
-    fn wall_face(&self, plane: u32, cell: u32, turn: DMat3) -> Face {
+    fn wall_facet(&self, plane: u32, cell: u32, turn: DMat3) -> Facet {
         let (low, high) = (f64::from(cell) * self.thickness, f64::from(cell + 1) * self.thickness);
         let corners = [(-1.0, low), (1.0, low), (1.0, high), (-1.0, high)]
             .map(|(y, z)| self.place(turn * DVec3::new(1.0, y, z)));
-        face(plane, [None, Some(cell)], border(&corners, self.walls, None))
+        facet(plane, [None, Some(cell)], border(&corners, self.walls, None))
     }
 
-    fn cell(&self, index: u32, faces: &[Face]) -> Cell {
-        let own: Vec<u32> = (0..faces.len() as u32)
-            .filter(|&face| faces[face as usize].cells.contains(&Some(index)))
+    fn cell(&self, index: u32, facets: &[Facet]) -> Cell {
+        let own: Vec<u32> = (0..facets.len() as u32)
+            .filter(|&facet| facets[facet as usize].cells.contains(&Some(index)))
             .collect();
         let labels: BTreeSet<Label> =
-            own.iter().flat_map(|&face| faces[face as usize].labels.iter().copied()).collect();
-        Cell { faces: own, labels: labels.into_iter().collect() }
+            own.iter().flat_map(|&facet| facets[facet as usize].labels.iter().copied()).collect();
+        Cell { facets: own, labels: labels.into_iter().collect() }
     }
 
     /// Points in all cells, a run for each cell.
@@ -173,15 +182,16 @@ impl Stack {
     }
 }
 
-fn border(corners: &[DVec3], left: Label, right: Option<Label>) -> Vec<FaceEdge> {
+fn border(corners: &[DVec3], left: Label, right: Option<Label>) -> Vec<FacetEdge> {
     let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(&start, &end)| FaceEdge { start, end, left, right }).collect()
+    corners.iter().zip(next).map(|(&start, &end)| FacetEdge { start, end, left, right }).collect()
 }
 
-fn face(plane: u32, cells: [Option<u32>; 2], edges: Vec<FaceEdge>) -> Face {
+fn facet(plane: u32, cells: [Option<u32>; 2], edges: Vec<FacetEdge>) -> Facet {
     let labels: BTreeSet<Label> =
         edges.iter().flat_map(|edge| [Some(edge.left), edge.right]).flatten().collect();
-    Face { plane, cells, labels: labels.into_iter().collect(), edges }
+    let outline = Vec::new();
+    Facet { plane, cells, labels: labels.into_iter().collect(), edges, outline }
 }
 
 /// Discs of 2 to `labels` next to one another, in label 1, with a ring in

@@ -66,7 +66,7 @@ pub struct Queries {
 /// Points in one cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Run {
-    /// Index into [`Arrangement::cells`](crate::arrangement::Arrangement::cells).
+    /// Index into [`Complex::cells`](crate::complex::Complex::cells).
     pub cell: u32,
     /// Indices into [`Queries::points`].
     pub points: Range<usize>,

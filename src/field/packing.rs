@@ -22,7 +22,7 @@ use super::boundaries::{Boundary, SMALLEST_CLEARANCE};
 use super::completion::Completion;
 use super::ramps::{Change, RampEdge, Ramps};
 use super::reference::slot;
-use crate::arrangement::{Face, FaceEdge};
+use crate::complex::{Facet, FacetEdge};
 use crate::error::Result;
 use crate::label::Label;
 use crate::plane::Bounds;
@@ -182,7 +182,7 @@ impl PackedCell {
     /// A cell's boundary without slopes, and the ramps of its faces.
     pub fn with_ramps(boundary: &Boundary) -> Result<(Self, Vec<Ramps>)> {
         let starts =
-            boundary.faces().flat_map(|(_, face)| face.edges.iter().map(|edge| edge.start));
+            boundary.facets().flat_map(|(_, face)| face.edges.iter().map(|edge| edge.start));
         let (origin, scale) = Bounds::around(starts).map_or((DVec3::ZERO, 1.0), unit_cube);
         let mut packed = Self {
             labels: boundary.labels.to_vec(),
@@ -198,7 +198,7 @@ impl PackedCell {
         };
         let mut ramps = Vec::new();
         if boundary.labels.len() > 1 {
-            for (index, face) in boundary.faces() {
+            for (index, face) in boundary.facets() {
                 ramps.push(packed.add_face(boundary, index, face)?);
             }
         }
@@ -225,8 +225,8 @@ impl PackedCell {
         }
     }
 
-    fn add_face(&mut self, boundary: &Boundary, index: u32, face: &Face) -> Result<Ramps> {
-        let plane = boundary.arrangement.planes()[face.plane as usize];
+    fn add_face(&mut self, boundary: &Boundary, index: u32, face: &Facet) -> Result<Ramps> {
+        let plane = boundary.complex.planes()[face.plane];
         let frame = Frame {
             tangents: plane.tangents(),
             normal: plane.unit_normal(),
@@ -352,7 +352,7 @@ struct Piece {
 /// A face's edges by the labels on their sides, the smaller one on the left;
 /// edges without length left out. Beyond a known region's border an unknown
 /// region is as good as none: its triangles have borders of their own.
-fn pieces_by_sides(face: &Face, labels: &[Label]) -> Result<BTreeMap<[u32; 2], Vec<Piece>>> {
+fn pieces_by_sides(face: &Facet, labels: &[Label]) -> Result<BTreeMap<[u32; 2], Vec<Piece>>> {
     let mut groups: BTreeMap<[u32; 2], Vec<Piece>> = BTreeMap::new();
     for edge in face.edges.iter().filter(|edge| edge.start != edge.end) {
         let [left, right] = sides(edge, labels)?;
@@ -368,7 +368,7 @@ fn pieces_by_sides(face: &Face, labels: &[Label]) -> Result<BTreeMap<[u32; 2], V
 }
 
 /// The labels on an edge's sides as indices, [`BORDER`] for none.
-fn sides(edge: &FaceEdge, labels: &[Label]) -> Result<[u32; 2]> {
+fn sides(edge: &FacetEdge, labels: &[Label]) -> Result<[u32; 2]> {
     let side = |label: Option<Label>| match label.filter(|&label| label != Label::UNKNOWN) {
         Some(label) => Ok(slot(labels, label)? as u32),
         None => Ok(BORDER),

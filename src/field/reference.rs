@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use super::boundaries::{self, Boundaries};
 use super::ramps::NEEDLE;
 use super::{Field, Queries, bug};
-use crate::arrangement;
+use crate::complex::Facet;
 use crate::error::Result;
 use crate::label::Label;
 use crate::plane::Plane;
@@ -103,7 +103,7 @@ impl Field for Reference {
 
 impl Boundary {
     fn new(source: &boundaries::Boundary) -> Result<Self> {
-        let faces = source.faces().map(|(index, face)| Face::new(source, index, face));
+        let faces = source.facets().map(|(index, face)| Face::new(source, index, face));
         Ok(Self { labels: source.labels.to_vec(), faces: faces.collect::<Result<_>>()? })
     }
 
@@ -130,12 +130,8 @@ impl Boundary {
 }
 
 impl Face {
-    fn new(
-        boundary: &boundaries::Boundary,
-        index: u32,
-        source: &arrangement::Face,
-    ) -> Result<Self> {
-        let plane = boundary.arrangement.planes()[source.plane as usize];
+    fn new(boundary: &boundaries::Boundary, index: u32, source: &Facet) -> Result<Self> {
+        let plane = boundary.complex.planes()[source.plane];
         let origin = source.edges.first().map_or(DVec3::ZERO, |edge| edge.start);
         let (edges, triangles) = (Vec::new(), Vec::new());
         let mut face = Self { plane, origin, tangents: plane.tangents(), edges, triangles };

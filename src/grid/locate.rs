@@ -1,8 +1,8 @@
-//! Which cells of the arrangement the nodes of a leaf lie in.
+//! Which cells of the complex the nodes of a leaf lie in.
 
 use glam::DVec3;
 
-use crate::arrangement::Arrangement;
+use crate::complex::Complex;
 use crate::label::Label;
 use crate::plane::Bounds;
 
@@ -24,7 +24,7 @@ pub trait Cells: Sync {
     fn locator<'a>(&'a self, region: Bounds) -> Box<dyn Fn(DVec3) -> u32 + 'a>;
 }
 
-impl Cells for Arrangement {
+impl Cells for Complex {
     fn bounds(&self) -> Bounds {
         self.bounds()
     }

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::arrangement::components;
+use crate::components::components;
 
 /// Nodes of one label in a row along z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

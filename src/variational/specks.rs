@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use crate::arrangement::components;
+use crate::components::components;
 use crate::grid::labels::{LabelGrid, node_in_leaf};
 use crate::grid::leaf::LeafOf;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};

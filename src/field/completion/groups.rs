@@ -1,19 +1,20 @@
-//! Cell groups: cells joined through faces that hold unknown regions.
+//! Cell groups: cells joined through facets that hold unknown regions.
 
-use crate::arrangement::{Arrangement, Face, components};
+use crate::complex::{Complex, Facet};
+use crate::components::components;
 use crate::label::Label;
 
-/// Whether there is an unknown region on a face.
-pub(super) fn has_unknown(face: &Face) -> bool {
-    face.labels.binary_search(&Label::UNKNOWN).is_ok()
+/// Whether there is an unknown region on a facet.
+pub(super) fn has_unknown(facet: &Facet) -> bool {
+    facet.labels.binary_search(&Label::UNKNOWN).is_ok()
 }
 
 /// The group of every cell.
-pub(super) fn groups(arrangement: &Arrangement) -> Vec<u32> {
-    let joined = arrangement.faces().iter().filter(|face| has_unknown(face));
-    let pairs = joined.filter_map(|face| match face.cells {
+pub(super) fn groups(complex: &Complex) -> Vec<u32> {
+    let joined = complex.facets().values().filter(|facet| has_unknown(facet));
+    let pairs = joined.filter_map(|facet| match facet.cells {
         [Some(front), Some(behind)] => Some([front, behind]),
         _ => None,
     });
-    components(arrangement.cells().len() as u32, pairs)
+    components(complex.cells().end() as u32, pairs)
 }

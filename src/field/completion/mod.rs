@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::arrangement::Arrangement;
+use crate::complex::Complex;
 use crate::error::{Error, Result};
 use crate::label::Label;
 
@@ -73,27 +73,26 @@ struct Free {
 }
 
 impl Completion {
-    /// Completes the unknown regions of an arrangement, triangulated with edges
+    /// Completes the unknown regions of a complex, triangulated with edges
     /// of about `spacing` (world units).
     ///
     /// # Errors
     /// [`Error::Option`] where nothing is known.
-    pub(super) fn new(arrangement: &Arrangement, clearance: f64, spacing: f64) -> Result<Self> {
-        if !arrangement.faces().iter().any(has_unknown) {
+    pub(super) fn new(complex: &Complex, clearance: f64, spacing: f64) -> Result<Self> {
+        if !complex.facets().values().any(has_unknown) {
             return Ok(Self::default());
         }
-        let mut completion = Self { labels: labels(arrangement), ..Self::default() };
+        let mut completion = Self { labels: labels(complex), ..Self::default() };
         if completion.labels.is_empty() {
             return Err(nothing_known());
         }
-        let faces = arrangement.faces().len();
-        completion.triangles = vec![Vec::new(); faces];
-        let groups = groups(arrangement);
+        completion.triangles = vec![Vec::new(); complex.facets().end()];
+        let groups = groups(complex);
         let mut free = Vec::new();
-        for plane in planes(arrangement, spacing)? {
-            free.append(&mut completion.add(arrangement, &plane, &groups));
+        for plane in planes(complex, spacing)? {
+            free.append(&mut completion.add(complex, &plane, &groups));
         }
-        let mut sweeper = Sweeper::new(arrangement, clearance, &completion, &free)?;
+        let mut sweeper = Sweeper::new(complex, clearance, &completion, &free)?;
         while completion.sweeps < SWEEPS {
             completion.sweeps += 1;
             if sweeper.sweep(&mut completion) < TOLERANCE {
@@ -109,14 +108,9 @@ impl Completion {
 
     /// Adds a plane's triangles, and returns the corners whose shares are still
     /// to be found.
-    fn add(
-        &mut self,
-        arrangement: &Arrangement,
-        plane: &UnknownPlane,
-        groups: &[u32],
-    ) -> Vec<Free> {
+    fn add(&mut self, complex: &Complex, plane: &UnknownPlane, groups: &[u32]) -> Vec<Free> {
         let group = |face: u32| {
-            let cell = arrangement.faces()[face as usize].cells.into_iter().flatten().next();
+            let cell = complex.facets()[face].cells.into_iter().flatten().next();
             cell.map_or(0, |cell| groups[cell as usize])
         };
         let fixed = plane.fixed(&self.labels);
@@ -205,9 +199,9 @@ impl Completion {
 }
 
 /// The known labels on all faces.
-fn labels(arrangement: &Arrangement) -> Vec<Label> {
+fn labels(complex: &Complex) -> Vec<Label> {
     let mut labels: Vec<Label> =
-        arrangement.cells().iter().flat_map(|cell| &cell.labels).copied().collect();
+        complex.cells().values().flat_map(|cell| &cell.labels).copied().collect();
     labels.sort();
     labels.dedup();
     labels.retain(|&label| label != Label::UNKNOWN);
@@ -215,15 +209,15 @@ fn labels(arrangement: &Arrangement) -> Vec<Label> {
 }
 
 /// The triangulated unknown regions of all planes that have any.
-fn planes(arrangement: &Arrangement, spacing: f64) -> Result<Vec<UnknownPlane>> {
-    let mut faces: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for (index, face) in arrangement.faces().iter().enumerate() {
-        faces.entry(face.plane).or_default().push(index as u32);
+fn planes(complex: &Complex, spacing: f64) -> Result<Vec<UnknownPlane>> {
+    let mut facets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (id, facet) in complex.facets().iter() {
+        facets.entry(facet.plane).or_default().push(id);
     }
-    let mut planes: Vec<Vec<u32>> = faces.into_values().collect();
-    let face = |&index: &u32| &arrangement.faces()[index as usize];
-    planes.retain(|faces| faces.iter().map(face).any(has_unknown));
-    planes.par_iter().map(|faces| UnknownPlane::new(arrangement, faces, spacing)).collect()
+    let mut planes: Vec<Vec<u32>> = facets.into_values().collect();
+    let facet = |&id: &u32| &complex.facets()[id];
+    planes.retain(|facets| facets.iter().map(facet).any(has_unknown));
+    planes.par_iter().map(|facets| UnknownPlane::new(complex, facets, spacing)).collect()
 }
 
 fn nothing_known() -> Error {

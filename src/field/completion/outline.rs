@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
-use crate::arrangement::{Arrangement, FaceEdge};
+use crate::complex::{Complex, FacetEdge};
 use crate::label::Label;
 
 /// How far simplified chains stray, as a part of the spacing: a voxel at 256
@@ -52,11 +52,9 @@ fn key(point: DVec3) -> [u64; 3] {
 impl Outlines {
     /// Those of the unknown regions on some faces of a plane, in pieces of
     /// about `spacing` (world units) at most.
-    pub fn new(arrangement: &Arrangement, faces: &[u32], spacing: f64) -> Self {
-        let rims: Vec<(u32, Rim)> = faces
-            .iter()
-            .map(|&face| (face, Rim::new(&arrangement.faces()[face as usize].edges)))
-            .collect();
+    pub fn new(complex: &Complex, faces: &[u32], spacing: f64) -> Self {
+        let rims: Vec<(u32, Rim)> =
+            faces.iter().map(|&face| (face, Rim::new(&complex.facets()[face].edges))).collect();
         let fixed = fixed(rims.iter().map(|(_, rim)| rim));
         let mut outlines = Self::default();
         for (face, rim) in &rims {
@@ -112,9 +110,9 @@ fn pieces(length: f64, spacing: f64) -> u32 {
 }
 
 impl Rim {
-    fn new(edges: &[FaceEdge]) -> Self {
+    fn new(edges: &[FacetEdge]) -> Self {
         let mut rim = Self::default();
-        for &FaceEdge { start, end, left, right } in edges.iter().filter(|e| e.start != e.end) {
+        for &FacetEdge { start, end, left, right } in edges.iter().filter(|e| e.start != e.end) {
             match (left, right) {
                 (Label::UNKNOWN, None) => rim.border.push([start, end]),
                 (Label::UNKNOWN, Some(label)) => {
@@ -241,7 +239,7 @@ mod tests {
                 0.0,
             )
         };
-        let edge = |i: u32, label: u32| FaceEdge {
+        let edge = |i: u32, label: u32| FacetEdge {
             start: corner(i),
             end: corner(i + 1),
             left: Label::UNKNOWN,

@@ -4,7 +4,8 @@
 use glam::{DVec2, DVec3};
 
 use super::outline::Outlines;
-use crate::arrangement::{Arrangement, FaceEdge, components};
+use crate::complex::{Complex, FacetEdge};
+use crate::components::components;
 use crate::error::{Error, Result};
 use crate::ffi::triangulation::{self as ffi, Triangulation};
 use crate::label::Label;
@@ -19,7 +20,7 @@ const ON_LINE: f64 = 1e-10;
 pub(super) struct UnknownPlane {
     /// World units.
     pub points: Vec<DVec3>,
-    /// A face of the arrangement, and three points on it, counter-clockwise
+    /// A face of the complex, and three points on it, counter-clockwise
     /// about the plane's normal.
     pub triangles: Vec<(u32, [u32; 3])>,
     /// For each point its connected region.
@@ -73,10 +74,10 @@ impl Frame {
 impl UnknownPlane {
     /// Triangulates the unknown regions on some faces of a plane, with edges
     /// of about `spacing` (world units).
-    pub fn new(arrangement: &Arrangement, faces: &[u32], spacing: f64) -> Result<Self> {
-        let outlines = Outlines::new(arrangement, faces, spacing);
+    pub fn new(complex: &Complex, faces: &[u32], spacing: f64) -> Result<Self> {
+        let outlines = Outlines::new(complex, faces, spacing);
         let Some(&origin) = outlines.points.first() else { return Ok(Self::default()) };
-        let plane = arrangement.planes()[arrangement.faces()[faces[0] as usize].plane as usize];
+        let plane = complex.planes()[complex.facets()[faces[0]].plane];
         let frame = Frame { origin, tangents: Plane::tangents(&plane) };
         let flat: Vec<f64> =
             outlines.points.iter().flat_map(|&point| frame.flatten(point).to_array()).collect();
@@ -85,10 +86,10 @@ impl UnknownPlane {
             .map_err(|exception| Error::library("completion", &exception))?;
         let known = faces
             .iter()
-            .flat_map(|&index| arrangement.faces()[index as usize].edges.iter())
+            .flat_map(|&index| complex.facets()[index].edges.iter())
             .filter_map(|edge| Known::beside(edge, &frame))
             .collect::<Vec<_>>();
-        let reach = ON_LINE * arrangement.bounds().diagonal();
+        let reach = ON_LINE * complex.bounds().diagonal();
         Ok(Self::assemble(&outlines, &frame, &made, &known, reach))
     }
 
@@ -180,7 +181,7 @@ fn seen(p: DVec2, q: DVec2) -> f64 {
 
 impl Known {
     /// A known region's edge on its face's border, turned round.
-    fn beside(edge: &FaceEdge, frame: &Frame) -> Option<Self> {
+    fn beside(edge: &FacetEdge, frame: &Frame) -> Option<Self> {
         let border = edge.right.is_none() && edge.left != Label::UNKNOWN;
         let [start, end] = [edge.end, edge.start].map(|point| frame.flatten(point));
         border.then_some(Self { start, end, label: edge.left })

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Completion, Free};
-use crate::arrangement::Arrangement;
+use crate::complex::Complex;
 use crate::error::Result;
 use crate::field::boundaries::Boundary;
 use crate::field::cpu::{Instructions, Job};
@@ -34,20 +34,20 @@ struct View {
 
 impl<'a> Sweeper<'a> {
     pub fn new(
-        arrangement: &'a Arrangement,
+        complex: &'a Complex,
         clearance: f64,
         completion: &Completion,
         free: &'a [Free],
     ) -> Result<Self> {
-        let views = views(arrangement, completion, free);
-        let mut seen = vec![false; arrangement.cells().len()];
+        let views = views(complex, completion, free);
+        let mut seen = vec![false; complex.cells().end()];
         views.iter().for_each(|view| seen[view.cell as usize] = true);
         let boundary = |cell: usize| Boundary {
-            arrangement,
+            complex,
             completion,
             clearance,
             labels: completion.labels(),
-            faces: &arrangement.cells()[cell].faces,
+            facets: &complex.cells()[cell as u32].facets,
         };
         let cells = seen
             .into_par_iter()
@@ -118,14 +118,14 @@ impl<'a> Sweeper<'a> {
     }
 }
 
-fn views(arrangement: &Arrangement, completion: &Completion, free: &[Free]) -> Vec<View> {
+fn views(complex: &Complex, completion: &Completion, free: &[Free]) -> Vec<View> {
     let mut number = vec![u32::MAX; completion.corner_count()];
     for (index, free) in free.iter().enumerate() {
         number[free.corner as usize] = index as u32;
     }
     let mut views = Vec::new();
-    for (index, face) in arrangement.faces().iter().enumerate() {
-        let triangles = completion.triangles(index as u32);
+    for (id, facet) in complex.facets().iter() {
+        let triangles = completion.triangles(id);
         let mut corners: Vec<u32> =
             triangles.iter().flatten().map(|&corner| number[corner as usize]).collect();
         corners.sort_unstable();
@@ -136,9 +136,9 @@ fn views(arrangement: &Arrangement, completion: &Completion, free: &[Free]) -> V
         }
         let place = |&corner: &u32| completion.point(free[corner as usize].corner);
         let points: Vec<DVec3> = corners.iter().map(place).collect();
-        for cell in face.cells.into_iter().flatten() {
-            let faces = &arrangement.cells()[cell as usize].faces;
-            let Some(face) = faces.iter().position(|&face| face == index as u32) else { continue };
+        for cell in facet.cells.into_iter().flatten() {
+            let facets = &complex.cells()[cell].facets;
+            let Some(face) = facets.iter().position(|&facet| facet == id) else { continue };
             let (corners, points) = (corners.clone(), points.clone());
             views.push(View { cell, face: face as u32, corners, points });
         }

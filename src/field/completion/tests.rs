@@ -1,10 +1,10 @@
-//! Hand-made arrangements whose completion can be derived by hand.
+//! Hand-made complexes whose completion can be derived by hand.
 
 use glam::{DVec2, DVec3};
 
 use super::Completion;
 use super::groups::groups;
-use crate::arrangement::{Arrangement, FaceEdge};
+use crate::complex::{Complex, FacetEdge};
 use crate::field::fixture::{Patch, Pattern, Random, Stack};
 use crate::field::{Boundaries, Field, Queries, Reference, Run};
 use crate::label::Label;
@@ -17,8 +17,8 @@ fn unknown_disc(radius: f64, ground: u32) -> Pattern {
     pattern
 }
 
-fn complete(arrangement: &Arrangement, spacing: f64) -> Completion {
-    Completion::new(arrangement, 1e-6, spacing).unwrap()
+fn complete(complex: &Complex, spacing: f64) -> Completion {
+    Completion::new(complex, 1e-6, spacing).unwrap()
 }
 
 /// The share of a label at the corner nearest to a point.
@@ -42,7 +42,7 @@ fn a_region_is_a_blend_of_its_plane_and_its_neighbours() {
         let mut stack =
             Stack::new(vec![Pattern::plain(2), unknown_disc(radius, 1), Pattern::plain(2)]);
         stack.thickness = thickness;
-        let completion = complete(&stack.arrangement(), 0.1);
+        let completion = complete(&stack.complex(), 0.1);
         let found = share_at(&completion, DVec3::new(0.0, 0.0, thickness), 2);
         let expected = radius / (radius + thickness);
         assert!((found - expected).abs() < 0.01, "ρ {radius}, h {thickness}: {found} {expected}");
@@ -57,9 +57,9 @@ fn what_is_known_is_seen_through_unknown_planes() {
         Stack::new([1, UNKNOWN, UNKNOWN, 2].into_iter().map(Pattern::plain).collect::<Vec<_>>());
     stack.walls = Label::UNKNOWN;
     stack.thickness = 0.05;
-    let arrangement = stack.arrangement();
-    assert_eq!(groups(&arrangement), [0, 0, 0]);
-    let completion = complete(&arrangement, 0.1);
+    let complex = stack.complex();
+    assert_eq!(groups(&complex), [0, 0, 0]);
+    let completion = complete(&complex, 0.1);
     for (level, expected) in [(1.0, 2.0 / 3.0), (2.0, 1.0 / 3.0)] {
         let found = share_at(&completion, DVec3::new(0.0, 0.0, 0.05 * level), 1);
         assert!((found - expected).abs() < 0.02, "level {level}: {found}");
@@ -77,9 +77,9 @@ fn a_group_with_one_label_is_that_label() {
         Stack::new(vec![Pattern::plain(1), unknown_disc(0.7, 1), Pattern::plain(1), busy]);
     stack.walls = Label(1);
     stack.rotation = Random(3).rotation();
-    let arrangement = stack.arrangement();
-    assert_eq!(groups(&arrangement), [0, 0, 1]);
-    let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+    let complex = stack.complex();
+    assert_eq!(groups(&complex), [0, 0, 1]);
+    let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let field = Reference::new(&boundaries).unwrap();
     let labels: Vec<&[Label]> = (0..3).map(|cell| field.labels(cell)).collect();
     assert_eq!(labels, [&[Label(1)][..], &[Label(1)], &[Label(1), Label(5)]]);
@@ -93,15 +93,15 @@ fn a_group_with_one_label_is_that_label() {
 #[test]
 fn a_vertex_takes_the_limit_of_its_corners() {
     let stack = Stack::new(vec![Pattern::plain(0), Pattern::plain(0), Pattern::plain(0)]);
-    let mut arrangement = stack.arrangement();
+    let mut complex = stack.complex();
     let place = |x: f64, y: f64| DVec3::new(x, y, 1.0);
-    let edge = |from: (f64, f64), to: (f64, f64), left: u32, right: Option<u32>| FaceEdge {
+    let edge = |from: (f64, f64), to: (f64, f64), left: u32, right: Option<u32>| FacetEdge {
         start: place(from.0, from.1),
         end: place(to.0, to.1),
         left: Label(left),
         right: right.map(Label),
     };
-    let face = arrangement.faces.iter_mut().find(|face| face.plane == 1).unwrap();
+    let face = complex.facets.values_mut().find(|facet| facet.plane == 1).unwrap();
     let (o, e, w) = ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0));
     let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
     let [ne, nw, sw, se] = corners;
@@ -117,10 +117,10 @@ fn a_vertex_takes_the_limit_of_its_corners() {
         edge(se, e, UNKNOWN, None),
     ];
     face.labels = vec![Label(1), Label(2), Label::UNKNOWN];
-    for cell in &mut arrangement.cells {
+    for cell in complex.cells.values_mut() {
         cell.labels = vec![Label(0), Label(1), Label(2), Label::UNKNOWN];
     }
-    let boundaries = Boundaries::new(&arrangement, 1e-7, Some(0.2)).unwrap();
+    let boundaries = Boundaries::new(&complex, 1e-7, Some(0.2)).unwrap();
     let field = Reference::new(&boundaries).unwrap();
     let queries =
         Queries { points: vec![place(0.0, 0.0)], runs: vec![Run { cell: 0, points: 0..1 }] };
@@ -142,12 +142,12 @@ fn triangles_cover_the_region() {
     stack.patterns[1].patches.push(Patch::disc(DVec2::new(0.1, 0.0), 0.2, 64, 3, UNKNOWN));
     stack.rotation = Random(8).rotation();
     stack.offset = DVec3::new(1e4, -3e4, 7.0);
-    let arrangement = stack.arrangement();
-    let completion = complete(&arrangement, 0.1);
-    let normal = arrangement.planes()[1].unit_normal();
-    let face = arrangement.faces().iter().position(|face| face.plane == 1).unwrap();
+    let complex = stack.complex();
+    let completion = complete(&complex, 0.1);
+    let normal = complex.planes()[1].unit_normal();
+    let facet = complex.facets().iter().find(|(_, facet)| facet.plane == 1).unwrap().0;
     let mut area = 0.0;
-    for corners in completion.triangles(face as u32) {
+    for corners in completion.triangles(facet) {
         let [a, b, c] = corners.map(|corner| completion.point(corner));
         let own = (b - a).cross(c - a).dot(normal) / 2.0;
         assert!(own > 0.0);
@@ -157,14 +157,14 @@ fn triangles_cover_the_region() {
     // The outline strays by a 160th, over a length of 1.4 π.
     assert!((area - expected).abs() < 1.4 * std::f64::consts::PI / 160.0, "{area} {expected}");
     let total: usize = completion.triangle_count();
-    assert_eq!(total, completion.triangles(face as u32).len());
+    assert_eq!(total, completion.triangles(facet).len());
 }
 
 #[test]
 fn everything_unknown_is_an_error() {
     let mut stack = Stack::new(vec![Pattern::plain(UNKNOWN), Pattern::plain(UNKNOWN)]);
     stack.walls = Label::UNKNOWN;
-    let error = Boundaries::new(&stack.arrangement(), 1e-6, None).unwrap_err();
+    let error = Boundaries::new(&stack.complex(), 1e-6, None).unwrap_err();
     assert!(error.to_string().contains("everything is unknown"), "{error}");
 }
 
@@ -173,10 +173,10 @@ fn everything_unknown_is_an_error() {
 fn threads_change_nothing() {
     let mut patterns = vec![Pattern::plain(0), unknown_disc(0.5, 1), unknown_disc(0.7, 2)];
     patterns.push(Pattern::plain(1));
-    let arrangement = Stack::new(patterns).arrangement();
+    let complex = Stack::new(patterns).complex();
     let [one, three] = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| complete(&arrangement, 0.05).shares)
+        pool.install(|| complete(&complex, 0.05).shares)
     });
     assert!(!one.is_empty());
     assert_eq!(one, three);

@@ -192,8 +192,8 @@ mod tests {
         let stack: Stack = busy_stack(&mut random, 3, 10);
         let mut queries = stack.queries(&mut random, 1000);
         queries.runs.push(Run { cell: 0, points: 2000..2000 });
-        let arrangement = stack.arrangement();
-        let cpu = Cpu::new(&Boundaries::new(&arrangement, 1e-6, None).unwrap()).unwrap();
+        let complex = stack.complex();
+        let cpu = Cpu::new(&Boundaries::new(&complex, 1e-6, None).unwrap()).unwrap();
         let batches = batches(cpu.cells(), &queries, limits).collect();
         (queries, batches)
     }
@@ -248,8 +248,8 @@ mod tests {
     fn stale_results_are_noticed() {
         let mut random = Random(31);
         let stack = busy_stack(&mut random, 3, 10);
-        let arrangement = stack.arrangement();
-        let boundaries = Boundaries::new(&arrangement, 1e-6, None).unwrap();
+        let complex = stack.complex();
+        let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
         let gpu = match Gpu::new(&boundaries, Adapter::Any) {
             Ok(gpu) => gpu,
             Err(Error::Device(_)) => return println!("skipped: no wgpu adapter"),

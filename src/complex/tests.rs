@@ -1,14 +1,16 @@
 //! Sections made by hand, and facts about them that anyone can count.
 
 mod contours;
+mod editing;
 mod locating;
 mod planes;
 
 use glam::{DVec2, DVec3};
 
-use super::{Arrangement, Face};
+use super::{BOX_PLANES, Complex, Editor, Facet};
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};
+use crate::random::Random;
 use crate::section::{Edge, Section};
 
 const UNIT: Bounds = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
@@ -53,29 +55,34 @@ fn rectangle(min: [f64; 2], max: [f64; 2]) -> [DVec2; 4] {
     [[min[0], min[1]], [max[0], min[1]], [max[0], max[1]], [min[0], max[1]]].map(DVec2::from_array)
 }
 
-/// The arrangement, which must be sane.
-fn arrange(sections: &[Section], bounds: Bounds) -> Arrangement {
-    let arrangement = Arrangement::new(sections, bounds, Label::OUTSIDE).unwrap();
-    assert_eq!(arrangement.sanity_check(), Ok(()));
-    arrangement
+/// The complex, which must be sane.
+fn arrange(sections: &[Section], bounds: Bounds) -> Complex {
+    let mut editor = Editor::new(bounds, Label::OUTSIDE).unwrap();
+    for section in sections {
+        editor.add(section).unwrap();
+    }
+    editor.commit().unwrap();
+    assert_eq!(editor.sanity_check(), Ok(()));
+    editor.into_complex()
 }
 
 /// As [`arrange`], of planes without contours.
-fn arrange_planes(planes: &[Plane], bounds: Bounds) -> Arrangement {
+fn arrange_planes(planes: &[Plane], bounds: Bounds) -> Complex {
     arrange(&planes.iter().copied().map(empty).collect::<Vec<_>>(), bounds)
 }
 
-/// The faces on a plane.
-fn faces_on(arrangement: &Arrangement, plane: u32) -> Vec<&Face> {
-    arrangement.faces().iter().filter(|face| face.plane == plane).collect()
+/// The facets of the section with an index.
+fn facets_on(complex: &Complex, section: u32) -> Vec<&Facet> {
+    let plane = BOX_PLANES + section;
+    complex.facets().values().filter(|facet| facet.plane == plane).collect()
 }
 
-/// The area of a label on a plane.
-fn area(arrangement: &Arrangement, plane: u32, label: Label) -> f64 {
-    let normal = arrangement.planes()[plane as usize].unit_normal();
-    let origin = arrangement.bounds().min;
+/// The area of a label on some facets.
+fn area(complex: &Complex, facets: &[&Facet], label: Label) -> f64 {
+    let origin = complex.bounds().min;
     let mut sum = 0.0;
-    for edge in faces_on(arrangement, plane).iter().flat_map(|face| &face.edges) {
+    for (facet, edge) in facets.iter().flat_map(|f| f.edges.iter().map(move |edge| (f, edge))) {
+        let normal = complex.planes()[facet.plane].unit_normal();
         let part = (edge.start - origin).cross(edge.end - origin).dot(normal) / 2.0;
         sum += if edge.left == label { part } else { 0.0 };
         sum -= if edge.right == Some(label) { part } else { 0.0 };
@@ -83,31 +90,18 @@ fn area(arrangement: &Arrangement, plane: u32, label: Label) -> f64 {
     sum
 }
 
-/// A small generator of repeatable numbers (SplitMix64).
-struct Random(u64);
+/// In [low, high).
+fn between(random: &mut Random, low: f64, high: f64) -> f64 {
+    low + (high - low) * random.unit()
+}
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
+fn point_in(random: &mut Random, bounds: Bounds) -> DVec3 {
+    let mut coordinate = |axis: usize| between(random, bounds.min[axis], bounds.max[axis]);
+    DVec3::new(coordinate(0), coordinate(1), coordinate(2))
+}
 
-    /// In [low, high).
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self, bounds: Bounds) -> DVec3 {
-        let mut coordinate = |axis: usize| self.between(bounds.min[axis], bounds.max[axis]);
-        DVec3::new(coordinate(0), coordinate(1), coordinate(2))
-    }
-
-    /// Through a point of the box.
-    fn plane(&mut self, bounds: Bounds) -> Plane {
-        let normal = self.point(CENTERED);
-        Plane { normal, offset: normal.dot(self.point(bounds)) }
-    }
+/// Through a point of the box.
+fn plane_in(random: &mut Random, bounds: Bounds) -> Plane {
+    let normal = point_in(random, CENTERED);
+    Plane { normal, offset: normal.dot(point_in(random, bounds)) }
 }

@@ -1,11 +1,11 @@
-//! Arrangements of real sections.
+//! Cell complexes of real sections.
 
 mod common;
 
 use std::time::Instant;
 
 use glam::DVec3;
-use transect::arrangement::Arrangement;
+use transect::complex::{BOX_PLANES, Complex};
 use transect::io::read_sections;
 use transect::label::Label;
 use transect::plane::Bounds;
@@ -31,11 +31,11 @@ fn drawn_area(section: &Section, label: Label) -> f64 {
     sum
 }
 
-/// The same, on the faces of the arrangement.
-fn arranged_area(arrangement: &Arrangement, plane: u32, section: &Section, label: Label) -> f64 {
+/// The same, on the facets of the complex.
+fn arranged_area(complex: &Complex, plane: u32, section: &Section, label: Label) -> f64 {
     let mut sum = 0.0;
-    let faces = arrangement.faces().iter().filter(|face| face.plane == plane);
-    for edge in faces.flat_map(|face| &face.edges) {
+    let facets = complex.facets().values().filter(|facet| facet.plane == plane);
+    for edge in facets.flat_map(|facet| &facet.edges) {
         let part = part(section, edge.start, edge.end);
         sum += if edge.left == label { part } else { 0.0 };
         sum -= if edge.right == Some(label) { part } else { 0.0 };
@@ -54,20 +54,20 @@ fn check(name: &str) {
     let sections = read_sections(&path, &Rules::default()).unwrap().sections;
     let bounds = bounds(&sections);
     let start = Instant::now();
-    let arrangement = Arrangement::new(&sections, bounds, Label::OUTSIDE).unwrap();
+    let complex = Complex::new(&sections, bounds, Label::OUTSIDE).unwrap();
     let seconds = start.elapsed().as_secs_f64();
-    let edges: usize = arrangement.faces().iter().map(|face| face.edges.len()).sum();
+    let edges: usize = complex.facets().values().map(|facet| facet.edges.len()).sum();
     println!(
-        "{name}: {} planes, {} cells, {} faces, {edges} edges in {seconds:.3} s",
+        "{name}: {} planes, {} cells, {} facets, {edges} edges in {seconds:.3} s",
         sections.len(),
-        arrangement.cells().len(),
-        arrangement.faces().len()
+        complex.cells().count(),
+        complex.facets().count()
     );
-    assert_eq!(arrangement.sanity_check(), Ok(()));
-    for (plane, section) in (0..).zip(&sections).filter(|(_, s)| !s.vertices().is_empty()) {
+    for (plane, section) in (BOX_PLANES..).zip(&sections).filter(|(_, s)| !s.vertices().is_empty())
+    {
         for label in section.labels().into_iter().filter(|&label| label != section.background()) {
             let expected = drawn_area(section, label);
-            let found = arranged_area(&arrangement, plane, section, label);
+            let found = arranged_area(&complex, plane, section, label);
             assert!(
                 (found - expected).abs() < 1e-9 * bounds.diagonal().powi(2),
                 "{}: label {label} has the area {found}, not {expected}",

@@ -1,29 +1,29 @@
 //! Labelled regions on faces.
 
-use super::super::{Face, FaceEdge};
+use super::super::FacetEdge;
 use super::*;
 
 const HORIZONTAL: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// A horizontal section at half height with a rectangle of label 1, cut by
 /// the plane x = `cut`.
-fn cut_rectangle(points: &[DVec2], cut: f64) -> Arrangement {
+fn cut_rectangle(points: &[DVec2], cut: f64) -> Complex {
     let section = drawn("drawn", plane(HORIZONTAL, 0.5), &[(points, 1)]);
     arrange(&[section, empty(plane([1.0, 0.0, 0.0], cut))], UNIT)
 }
 
 /// Label areas on the faces of plane 0 from small x to large.
-fn areas_by_x(arrangement: &Arrangement) -> Vec<f64> {
-    let mut faces = faces_on(arrangement, 0);
+fn areas_by_x(complex: &Complex) -> Vec<f64> {
+    let mut faces = facets_on(complex, 0);
     let least =
-        |face: &Face| face.edges.iter().map(|edge| edge.start.x).fold(f64::INFINITY, f64::min);
+        |face: &Facet| face.edges.iter().map(|edge| edge.start.x).fold(f64::INFINITY, f64::min);
     faces.sort_by(|a, b| least(a).total_cmp(&least(b)));
     faces.iter().map(|face| face_area(face, Label(1))).collect()
 }
 
 /// Areas on a horizontal face.
-fn face_area(face: &Face, label: Label) -> f64 {
-    let part = |edge: &FaceEdge| edge.start.cross(edge.end).z / 2.0;
+fn face_area(face: &Facet, label: Label) -> f64 {
+    let part = |edge: &FacetEdge| edge.start.cross(edge.end).z / 2.0;
     let left = face.edges.iter().filter(|edge| edge.left == label).map(part).sum::<f64>();
     let right = face.edges.iter().filter(|edge| edge.right == Some(label)).map(part).sum::<f64>();
     left - right
@@ -31,8 +31,8 @@ fn face_area(face: &Face, label: Label) -> f64 {
 
 #[test]
 fn a_contour_inside_a_face_stays_as_it_is() {
-    let arrangement = cut_rectangle(&rectangle([0.25, 0.25], [0.5, 0.75]), 0.75);
-    let face = faces_on(&arrangement, 0).into_iter().find(|face| face.labels.len() == 2).unwrap();
+    let complex = cut_rectangle(&rectangle([0.25, 0.25], [0.5, 0.75]), 0.75);
+    let face = facets_on(&complex, 0).into_iter().find(|face| face.labels.len() == 2).unwrap();
     assert_eq!(face.labels, [Label(0), Label(1)]);
     // Four sides of the contour and four of the face.
     assert_eq!(face.edges.len(), 8);
@@ -44,14 +44,14 @@ fn a_contour_inside_a_face_stays_as_it_is() {
         assert_eq!(edge.left == Label(1), turn < 0.0);
         assert_eq!(edge.right == Some(Label(1)), turn > 0.0);
     }
-    assert_eq!(areas_by_x(&arrangement), [0.125, 0.0]);
+    assert_eq!(areas_by_x(&complex), [0.125, 0.0]);
 }
 
 #[test]
 fn a_contour_is_cut_by_a_plane() {
-    let arrangement = cut_rectangle(&rectangle([0.25, 0.25], [0.5, 0.75]), 0.375);
-    assert_eq!(areas_by_x(&arrangement), [0.0625, 0.0625]);
-    let both = arrangement.cells().iter().all(|cell| cell.labels == [Label(0), Label(1)]);
+    let complex = cut_rectangle(&rectangle([0.25, 0.25], [0.5, 0.75]), 0.375);
+    assert_eq!(areas_by_x(&complex), [0.0625, 0.0625]);
+    let both = complex.cells().values().all(|cell| cell.labels == [Label(0), Label(1)]);
     assert!(both);
 }
 
@@ -63,16 +63,16 @@ fn a_contour_vertex_may_lie_on_a_plane() {
     let touching = cut_rectangle(&rhombus, 0.25);
     assert_eq!(areas_by_x(&touching), [0.0, 0.125]);
     // Where the contour merely touches the border, the border stays whole.
-    let borders = |face: &&Face| face.edges.iter().filter(|edge| edge.right.is_none()).count();
-    assert_eq!(faces_on(&touching, 0).iter().map(borders).collect::<Vec<_>>(), [4, 4]);
+    let borders = |face: &&Facet| face.edges.iter().filter(|edge| edge.right.is_none()).count();
+    assert_eq!(facets_on(&touching, 0).iter().map(borders).collect::<Vec<_>>(), [4, 4]);
 }
 
 #[test]
 fn a_contour_edge_may_lie_on_a_plane() {
-    let arrangement = cut_rectangle(&rectangle([0.25, 0.25], [0.5, 0.75]), 0.5);
-    assert_eq!(areas_by_x(&arrangement), [0.125, 0.0]);
-    for face in faces_on(&arrangement, 0) {
-        let on_line = |edge: &&FaceEdge| edge.start.x == 0.5 && edge.end.x == 0.5;
+    let complex = cut_rectangle(&rectangle([0.25, 0.25], [0.5, 0.75]), 0.5);
+    assert_eq!(areas_by_x(&complex), [0.125, 0.0]);
+    for face in facets_on(&complex, 0) {
+        let on_line = |edge: &&FacetEdge| edge.start.x == 0.5 && edge.end.x == 0.5;
         let edges: Vec<_> = face.edges.iter().filter(on_line).collect();
         assert!(edges.iter().all(|edge| edge.right.is_none()));
         // Left of the line the label changes twice along it, right it does not.
@@ -89,10 +89,10 @@ fn contours_may_lie_on_many_lines_and_leave_the_box() {
     let offsets = [0.5, 0.5, 0.0];
     let mut sections = vec![section];
     sections.extend(planes.iter().zip(offsets).map(|(&n, offset)| empty(plane(n, offset))));
-    let arrangement = arrange(&sections, UNIT);
-    assert_eq!(area(&arrangement, 0, Label(3)), 0.25);
+    let complex = arrange(&sections, UNIT);
+    assert_eq!(area(&complex, &facets_on(&complex, 0), Label(3)), 0.25);
     // Each of the six wedges has one label.
-    let labels: Vec<_> = faces_on(&arrangement, 0).iter().map(|face| face.labels.len()).collect();
+    let labels: Vec<_> = facets_on(&complex, 0).iter().map(|face| face.labels.len()).collect();
     assert_eq!(labels, [1; 6]);
 }
 
@@ -103,12 +103,12 @@ fn a_contour_around_the_box_fills_the_plane() {
         drawn("drawn", plane(HORIZONTAL, 0.5), &[(&outer, 1)]),
         empty(plane([1.0, 0.0, 0.0], 0.5)),
     ];
-    let arrangement = Arrangement::new(&sections, UNIT, Label::UNKNOWN).unwrap();
-    assert_eq!(arrangement.sanity_check(), Ok(()));
-    assert!(faces_on(&arrangement, 0).iter().all(|face| face.labels == [Label(1)]));
-    assert!(faces_on(&arrangement, 7).iter().all(|face| face.labels == [Label::UNKNOWN]));
+    let complex = Complex::new(&sections, UNIT, Label::UNKNOWN).unwrap();
+    let mut box_facets = complex.facets().values().filter(|facet| facet.plane < BOX_PLANES);
+    assert!(facets_on(&complex, 0).iter().all(|face| face.labels == [Label(1)]));
+    assert!(box_facets.all(|face| face.labels == [Label::UNKNOWN]));
     let all = [Label(0), Label(1), Label::UNKNOWN];
-    assert!(arrangement.cells().iter().all(|cell| cell.labels == all));
+    assert!(complex.cells().values().all(|cell| cell.labels == all));
 }
 
 #[test]
@@ -128,8 +128,8 @@ fn holes_and_islands_keep_their_labels() {
     for edge in &mut section.edges[8..] {
         edge.right = Label(2);
     }
-    let arrangement = arrange(&[section, empty(plane([1.0, 0.5, 0.0], 0.75))], UNIT);
-    let areas = [0, 1, 2].map(|label| area(&arrangement, 0, Label(label)));
+    let complex = arrange(&[section, empty(plane([1.0, 0.5, 0.0], 0.75))], UNIT);
+    let areas = [0, 1, 2].map(|label| area(&complex, &facets_on(&complex, 0), Label(label)));
     assert_eq!(areas.map(|area| (area * 1e12).round() / 1e12), [0.4375, 0.375, 0.1875]);
 }
 
@@ -138,49 +138,29 @@ fn a_section_on_a_face_of_the_box_keeps_its_labels() {
     let square = rectangle([0.25, 0.25], [0.5, 0.5]);
     for normal in [HORIZONTAL, [0.0, 0.0, -1.0]] {
         let section = drawn("floor", plane(normal, 0.0), &[(&square, 1)]);
-        let arrangement = arrange(&[section, empty(plane([1.0, 0.0, 0.0], 0.375))], UNIT);
-        assert_eq!(arrangement.cells().len(), 2);
-        assert_eq!(area(&arrangement, 0, Label(1)), 0.0625);
-        assert!(arrangement.cells().iter().all(|cell| cell.labels == [Label(0), Label(1)]));
+        let complex = arrange(&[section, empty(plane([1.0, 0.0, 0.0], 0.375))], UNIT);
+        assert_eq!(complex.cells().count(), 2);
+        let floor: Vec<&Facet> =
+            complex.facets().values().filter(|facet| facet.plane == 4).collect();
+        assert_eq!(area(&complex, &floor, Label(1)), 0.0625);
+        assert!(complex.cells().values().all(|cell| cell.labels == [Label(0), Label(1)]));
     }
 }
 
 #[test]
-fn coincident_sections_must_agree() {
+fn a_plane_has_one_section() {
     let here = rectangle([0.25, 0.5], [0.5, 0.75]);
-    // The same square seen from behind: the kept axes swap, and counter-clockwise
-    // becomes clockwise.
-    let behind = rectangle([0.5, 0.25], [0.75, 0.5]);
     let one = drawn("one", plane(HORIZONTAL, 0.5), &[(&here, 1)]);
-    let same = drawn("same", plane([0.0, 0.0, -2.0], -1.0), &[(&behind, 1)]);
-    let arrangement = arrange(&[one.clone(), same], UNIT);
-    assert_eq!(area(&arrangement, 0, Label(1)), 0.0625);
-
-    let other = drawn("other", plane(HORIZONTAL, 0.5), &[(&here, 2)]);
-    let blank = Section { name: "blank".to_owned(), ..empty(plane(HORIZONTAL, 0.5)) };
-    for second in [other, blank] {
-        let name = second.name.clone();
-        let error = Arrangement::new(&[one.clone(), second], UNIT, Label::OUTSIDE).unwrap_err();
-        let text = error.to_string();
-        assert!(text.starts_with(&format!("section {name}: it lies on the plane of")), "{text}");
-    }
-}
-
-#[test]
-fn contradictory_labels_are_an_error_with_a_place() {
-    let square = rectangle([0.25, 0.25], [0.5, 0.5]);
-    let mut section = drawn("wrong", plane(HORIZONTAL, 0.5), &[(&square, 1)]);
-    section.edges[2].left = Label(7);
-    let error = Arrangement::new(&[section], UNIT, Label::OUTSIDE).unwrap_err().to_string();
-    assert!(error.starts_with("section wrong: the region beside"), "{error}");
-    assert!(error.contains("both 1 and 7") || error.contains("both 7 and 1"), "{error}");
+    let other = Section { name: "other".to_owned(), ..empty(plane([0.0, 0.0, -2.0], -1.0)) };
+    let error = Complex::new(&[one, other], UNIT, Label::OUTSIDE).unwrap_err().to_string();
+    assert!(error.starts_with("section other: it lies on the plane of section one"), "{error}");
 }
 
 /// A star-shaped polygon in kept coordinates, and its area.
 fn star(random: &mut Random, center: DVec2, radius: f64) -> (Vec<DVec2>, f64) {
     let corner = |i| {
         let angle = std::f64::consts::TAU * f64::from(i) / 50.0;
-        center + DVec2::from_angle(angle) * radius * random.between(0.3, 1.0)
+        center + DVec2::from_angle(angle) * radius * between(random, 0.3, 1.0)
     };
     let points: Vec<DVec2> = (0..50).map(corner).collect();
     let next = points.iter().cycle().skip(1);
@@ -190,13 +170,15 @@ fn star(random: &mut Random, center: DVec2, radius: f64) -> (Vec<DVec2>, f64) {
 
 #[test]
 fn random_contours_on_random_planes_keep_their_areas() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     for count in [5, 12, 25] {
         let mut expected = Vec::new();
         let sections: Vec<Section> = (0..count)
             .map(|i| {
-                let plane =
-                    random.plane(Bounds { min: DVec3::splat(-0.3), max: DVec3::splat(0.3) });
+                let plane = plane_in(
+                    &mut random,
+                    Bounds { min: DVec3::splat(-0.3), max: DVec3::splat(0.3) },
+                );
                 let foot = plane.normal * plane.offset / plane.normal.length_squared();
                 let (points, projected) = star(&mut random, plane.project(foot), 0.25);
                 // A plane's area is larger than its projection along an axis.
@@ -205,9 +187,9 @@ fn random_contours_on_random_planes_keep_their_areas() {
                 drawn("star", plane, &[(&points, i + 1)])
             })
             .collect();
-        let arrangement = arrange(&sections, CENTERED);
+        let complex = arrange(&sections, CENTERED);
         for (i, expected) in expected.iter().enumerate() {
-            let found = area(&arrangement, i as u32, Label(i as u32 + 1));
+            let found = area(&complex, &facets_on(&complex, i as u32), Label(i as u32 + 1));
             assert!((found - expected).abs() < 1e-12, "section {i}: {found}, not {expected}");
         }
     }
@@ -222,8 +204,8 @@ fn coincide(a: &Plane, b: &Plane) -> bool {
 /// in common points and lines, with corners and edges of the box among them.
 #[test]
 fn coarse_coordinates_make_every_coincidence() {
-    let mut random = Random(5);
-    let mut whole = |low: f64, high: f64| random.between(low, high + 1.0).floor();
+    let mut random = Random::new(5);
+    let mut whole = |low: f64, high: f64| between(&mut random, low, high + 1.0).floor();
     for round in 0..60 {
         let mut sections: Vec<Section> = Vec::new();
         for _ in 0..4 + round / 3 {
@@ -241,23 +223,19 @@ fn coarse_coordinates_make_every_coincidence() {
 }
 
 #[test]
-fn the_sanity_check_notices_what_is_wrong() {
+fn the_check_of_regions_notices_what_is_wrong() {
     let square = rectangle([0.25, 0.25], [0.5, 0.75]);
     let section = drawn("drawn", plane(HORIZONTAL, 0.5), &[(&square, 1)]);
     let sound = arrange(&[section, empty(plane([1.0, 0.5, 0.0], 0.75))], UNIT);
-    let drawn = sound.faces().iter().position(|face| face.labels.len() == 2).unwrap();
-    let after = |change: &dyn Fn(&mut Arrangement)| {
+    let drawn = sound.facets().iter().find(|(_, facet)| facet.labels.len() == 2).unwrap().0;
+    let after = |change: &dyn Fn(&mut Facet)| {
         let mut changed = sound.clone();
-        change(&mut changed);
-        changed.sanity_check().unwrap_err()
+        change(&mut changed.facets[drawn]);
+        changed.check_regions().unwrap_err()
     };
     let says = |text: String, part: &str| assert!(text.contains(part), "{text}");
-    says(after(&|a| a.cells.truncate(3)), "V − E + F − C");
-    says(after(&|a| a.faces[0].cells[1] = None), "face 0 has the cells");
-    says(after(&|a| a.topology.cells.swap(0, 1)), "is not a corner of its cell 0");
-    says(after(&|a| a.cells[2].faces.truncate(4)), "do not close around it");
-    says(after(&|a| a.faces[drawn].edges.truncate(5)), "of a region of face");
-    let turned = |edge: &mut FaceEdge| std::mem::swap(&mut edge.start, &mut edge.end);
-    says(after(&|a| a.faces[drawn].edges.iter_mut().for_each(turned)), "have the areas");
-    says(after(&|a| a.faces[drawn].edges[0].left = Label(9)), "does not list its label 9");
+    says(after(&|facet| facet.edges.truncate(5)), "of a region of facet");
+    let turned = |edge: &mut FacetEdge| std::mem::swap(&mut edge.start, &mut edge.end);
+    says(after(&|facet| facet.edges.iter_mut().for_each(turned)), "have the areas");
+    says(after(&|facet| facet.edges[0].left = Label(9)), "does not list its label 9");
 }

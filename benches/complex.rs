@@ -1,0 +1,109 @@
+//! `cargo bench --bench complex`: what a section costs in the cell complex, added last and
+//! removed again, beside all sections one after the other: random planes in a cube, the
+//! bundled example, and the real files there are.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use glam::DVec3;
+use transect::complex::Editor;
+use transect::error::Result;
+use transect::io;
+use transect::label::Label;
+use transect::plane::{Bounds, Plane};
+use transect::section::{Rules, Section};
+
+/// How many random planes there are.
+const PLANES: [usize; 4] = [20, 40, 81, 120];
+/// How often the last section comes and goes: its median counts.
+const TIMES: usize = 5;
+
+fn main() -> Result<()> {
+    println!(
+        "{:<22}{:>9}{:>9}{:>12}{:>12}{:>12}{:>12}",
+        "", "sections", "cells", "all, s", "last, s", "all / last", "removed, s"
+    );
+    let cube = Bounds { min: DVec3::NEG_ONE, max: DVec3::ONE };
+    for count in PLANES {
+        row("random planes", &random_planes(count)?, cube)?;
+    }
+    for file in files() {
+        let sections = io::read_sections(&file, &Rules::default())?;
+        let Some(space) = sections.space() else { continue };
+        row(&file.file_stem().unwrap_or_default().to_string_lossy(), &sections.sections, space)?;
+    }
+    Ok(())
+}
+
+fn row(name: &str, sections: &[Section], bounds: Bounds) -> Result<()> {
+    let Some((last, others)) = sections.split_last() else { return Ok(()) };
+    let mut editor = Editor::new(bounds, Label::OUTSIDE)?;
+    let start = Instant::now();
+    for section in others {
+        editor.add(section)?;
+        editor.commit()?;
+    }
+    let before = start.elapsed().as_secs_f64();
+    let (mut added, mut removed) = (Vec::new(), Vec::new());
+    let mut cells = 0;
+    for _ in 0..TIMES {
+        let start = Instant::now();
+        let plane = editor.add(last)?;
+        editor.commit()?;
+        added.push(start.elapsed().as_secs_f64());
+        cells = editor.complex().cells().count();
+        let start = Instant::now();
+        editor.remove(plane)?;
+        editor.commit()?;
+        removed.push(start.elapsed().as_secs_f64());
+    }
+    let (added, removed) = (median(added), median(removed));
+    let all = before + added;
+    println!(
+        "{name:<22}{:>9}{cells:>9}{all:>12.4}{added:>12.4}{:>12.1}{removed:>12.4}",
+        sections.len(),
+        all / added
+    );
+    Ok(())
+}
+
+fn median(mut seconds: Vec<f64>) -> f64 {
+    seconds.sort_by(f64::total_cmp);
+    seconds[seconds.len() / 2]
+}
+
+/// Planes through the cube in all directions, without contours.
+fn random_planes(count: usize) -> Result<Vec<Section>> {
+    let mut state = 1_u64;
+    // A linear congruential generator (Knuth's MMIX).
+    let mut next = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let mut point = || DVec3::new(next(), next(), next());
+    (0..count)
+        .map(|index| {
+            let (normal, through) = (point(), point());
+            let plane = Plane { normal, offset: normal.dot(through) };
+            let name = format!("plane {index}");
+            Ok(Section::from_loops(&name, plane, &[], 1.0, &Rules::default())?.0)
+        })
+        .collect()
+}
+
+/// The bundled example, and the real files where they are.
+fn files() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let data = std::env::var_os("TRANSECT_DATA")
+        .map_or_else(|| root.join("../shared/data"), PathBuf::from);
+    let mut files = vec![root.join("examples/phantom.json")];
+    for name in ["Elephant", "Heart-25-even-better", "Vetebrae", "Abdomen"] {
+        let file = data.join("csl").join(name).with_extension("csl");
+        match file.exists() {
+            true => files.push(file),
+            false => println!("skipped: {} is absent", file.display()),
+        }
+    }
+    files
+}
