@@ -1,11 +1,13 @@
 //! The model: sections and everything derived from them.
 //!
-//! Sections are ground state; arrangement, samples and mesh follow from them.
+//! Sections are ground state; complex, samples and mesh follow from them.
 //! Only [`Model::apply`] changes a model, all or nothing.
 
-use crate::arrangement::Arrangement;
+use std::collections::VecDeque;
+
 use crate::capping::Capping;
-use crate::change::Change;
+use crate::change::{Change, Given, Replaced, SectionId};
+use crate::complex::Complex;
 use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
 use crate::grid::lattice::Resolution;
@@ -39,6 +41,9 @@ const FAIR_EDGE: f64 = 0.0065;
 /// thin limbs get narrower between the sections.
 const FAIRING_STEPS: u32 = 400;
 
+/// How many changes can be taken back, one after the other.
+pub const MOST_UNDONE: usize = 64;
+
 /// How a model is derived from its sections.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -58,6 +63,10 @@ impl Default for Options {
 #[derive(Debug)]
 pub struct Model {
     options: Options,
+    given: Given,
+    /// What the last changes replaced, the last one last.
+    past: VecDeque<Replaced>,
+    /// Those given, of every plane one.
     sections: Sections,
     derived: Option<Derived>,
 }
@@ -66,7 +75,7 @@ pub struct Model {
 #[derive(Debug)]
 pub struct Derived {
     /// The cells between the sections, where the field was asked.
-    pub arrangement: Option<Arrangement>,
+    pub complex: Option<Complex>,
     /// The field's values near the surface, smoothed.
     pub samples: Samples,
     /// The network of surfaces.
@@ -80,15 +89,17 @@ pub struct Derived {
 impl Model {
     /// A model without sections.
     pub fn new(options: Options) -> Self {
-        Self { options, sections: Sections::default(), derived: None }
+        let (given, past, sections, derived) = Default::default();
+        Self { options, given, past, sections, derived }
     }
 
     /// Changes the sections and derives everything anew; the model stays as it
-    /// was when that fails.
+    /// was when that fails. Returns the numbers of the sections that were added, in the order
+    /// in which they were given.
     ///
     /// # Errors
-    /// When there is no contour at all, when sections on one plane contradict
-    /// each other, when the grid would not fit into memory, or when a stage
+    /// When a section is not there, when there is no contour at all, when sections on one
+    /// plane contradict each other, when the grid would not fit into memory, or when a stage
     /// fails.
     pub fn apply(
         &mut self,
@@ -96,17 +107,55 @@ impl Model {
         rules: &Rules,
         stages: &mut Stages,
         progress: &dyn Progress,
+    ) -> Result<Vec<SectionId>> {
+        let mut given = self.given.clone();
+        let (added, replaced) = given.change(change, rules)?;
+        self.become_what_follows(given, rules, stages, progress)?;
+        if self.past.len() == MOST_UNDONE {
+            self.past.pop_front();
+        }
+        self.past.push_back(replaced);
+        Ok(added)
+    }
+
+    /// Takes the last change back that was not taken back yet; whether there was one. The last
+    /// [`MOST_UNDONE`] are remembered.
+    ///
+    /// # Errors
+    /// As [`Model::apply`]; then the model stays as it was.
+    pub fn undo(
+        &mut self,
+        rules: &Rules,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<bool> {
+        let Some(replaced) = self.past.back() else { return Ok(false) };
+        let mut given = self.given.clone();
+        given.restore(replaced);
+        self.become_what_follows(given, rules, stages, progress)?;
+        self.past.pop_back();
+        Ok(true)
+    }
+
+    /// Derives everything from sections, and if that works has them for its own.
+    fn become_what_follows(
+        &mut self,
+        given: Given,
+        rules: &Rules,
+        stages: &mut Stages,
+        progress: &dyn Progress,
     ) -> Result<()> {
-        let Change::Add(added) = change;
-        let sections = if self.derived.is_none() {
-            added
-        } else {
-            Sections::join(vec![self.sections.clone(), added], rules)?
-        };
-        let derived = derive(&sections, &self.options, stages, progress)?;
-        self.sections = sections;
-        self.derived = Some(derived);
+        let sections = given.merged(rules)?;
+        let derive = |sections| derive(sections, &self.options, stages, progress);
+        self.derived = sections.as_ref().map(derive).transpose()?;
+        self.sections = sections.unwrap_or_default();
+        self.given = given;
         Ok(())
+    }
+
+    /// The sections as they were given, each by its number.
+    pub fn given(&self) -> impl Iterator<Item = (SectionId, &Section)> {
+        self.given.iter()
     }
 
     /// How the model is derived.
@@ -114,12 +163,13 @@ impl Model {
         &self.options
     }
 
-    /// The sections.
+    /// The sections that everything is derived from: those given, where several lie on one
+    /// plane merged.
     pub fn sections(&self) -> &Sections {
         &self.sections
     }
 
-    /// What follows from the sections; `None` before the first change.
+    /// What follows from the sections; `None` without any.
     pub fn derived(&self) -> Option<&Derived> {
         self.derived.as_ref()
     }
@@ -180,7 +230,7 @@ impl Ground<'_> {
         })?;
         self.cut(&mut samples, &capping, stages, progress)?;
         let mesh = mesh(&samples, &method.mesher, stages, progress)?;
-        Ok(Derived { arrangement: None, samples, mesh, device, exact: None })
+        Ok(Derived { complex: None, samples, mesh, device, exact: None })
     }
 
     /// Evaluates the mean-value field in the cells between the sections.
@@ -193,11 +243,11 @@ impl Ground<'_> {
         let Self { sections, bounds, lattice } = self;
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let sections = capping.sections.as_ref();
-        let arrangement = arranged(sections, *bounds, method.border, stages, progress)?;
+        let complex = arranged(sections, *bounds, method.border, stages, progress)?;
         let boundaries = stages.run("completion", |counts| {
             progress.begin("completion", 0);
             let clearance = CLEARANCE * lattice.voxel;
-            let boundaries = Boundaries::new(&arrangement, clearance, method.spacing)?;
+            let boundaries = Boundaries::new(&complex, clearance, method.spacing)?;
             let completion = boundaries.completion();
             counts
                 .insert("triangles of unknown regions".into(), completion.triangle_count() as u64);
@@ -208,8 +258,7 @@ impl Ground<'_> {
         let (samples, device) = stages.run("field", |counts| {
             let field = field::new(&boundaries, method.device)?;
             let starts = Starts::new(sections, boundaries.completion(), lattice);
-            let sampling =
-                sample(&arrangement, field.as_ref(), &starts, lattice, Margin(1), progress)?;
+            let sampling = sample(&complex, field.as_ref(), &starts, lattice, Margin(1), progress)?;
             counts.insert("leaves".into(), sampling.samples.valued.len() as u64);
             counts.insert("evaluations".into(), sampling.points);
             Ok((sampling.samples, field.name()))
@@ -224,7 +273,7 @@ impl Ground<'_> {
         })?;
         self.cut(&mut samples, &capping, stages, progress)?;
         let mesh = mesh(&samples, &method.mesher, stages, progress)?;
-        Ok(Derived { arrangement: Some(arrangement), samples, mesh, device, exact: None })
+        Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None })
     }
 
     /// Cuts samples off where the solid ends.
@@ -293,7 +342,7 @@ impl Ground<'_> {
             })?;
         }
         let (device, exact) = ("exact arithmetic".to_owned(), Some(made.details));
-        Ok(Derived { arrangement: None, samples, mesh: made.mesh, device, exact })
+        Ok(Derived { complex: None, samples, mesh: made.mesh, device, exact })
     }
 }
 
@@ -307,16 +356,14 @@ pub(crate) fn arranged(
     border: Label,
     stages: &mut Stages,
     progress: &dyn Progress,
-) -> Result<Arrangement> {
+) -> Result<Complex> {
     stages.run("arrangement", |counts| {
         progress.begin("arrangement", 0);
-        let arrangement = Arrangement::new(sections, bounds, border)?;
-        let sound = arrangement.sanity_check();
-        sound.map_err(|what| Error::Bug { stage: "arrangement", what })?;
+        let complex = Complex::new(sections, bounds, border)?;
         counts.insert("planes".into(), sections.len() as u64);
-        counts.insert("faces".into(), arrangement.faces().len() as u64);
-        counts.insert("cells".into(), arrangement.cells().len() as u64);
-        Ok(arrangement)
+        counts.insert("facets".into(), complex.facets().count() as u64);
+        counts.insert("cells".into(), complex.cells().count() as u64);
+        Ok(complex)
     })
 }
 

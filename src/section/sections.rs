@@ -18,15 +18,31 @@ impl Sections {
     /// # Errors
     /// Where there is none, and where two sections of one plane disagree.
     pub fn new(sections: Vec<Section>, rules: &Rules) -> Result<Self> {
-        let mut whole = Self::default();
+        Self::default().with(sections, rules)?.require_any()
+    }
+
+    /// The same with more sections. Those of one plane are merged, with a warning, where they
+    /// agree.
+    ///
+    /// # Errors
+    /// Where two sections of one plane disagree.
+    pub(crate) fn with(
+        mut self,
+        sections: impl IntoIterator<Item = Section>,
+        rules: &Rules,
+    ) -> Result<Self> {
         for section in sections {
-            whole.push(section, rules)?;
+            self.push(section, rules)?;
         }
-        if whole.sections.is_empty() {
-            return Err(Error::Option("there is no section: at least one is needed".to_owned()));
+        self.complete_materials();
+        Ok(self)
+    }
+
+    fn require_any(self) -> Result<Self> {
+        match self.sections.is_empty() {
+            true => Err(Error::Option("there is no section: at least one is needed".to_owned())),
+            false => Ok(self),
         }
-        whole.complete_materials();
-        Ok(whole)
     }
 
     /// The sections of several files as one. Names of sections get the name of
@@ -36,14 +52,19 @@ impl Sections {
     /// As [`Sections::new`], and where units, frames or directions up differ.
     pub fn join(parts: Vec<Self>, rules: &Rules) -> Result<Self> {
         let mut whole = Self::default();
-        for part in parts {
-            whole.append(part, rules)?;
+        for mut part in parts {
+            let file = part.files.first().and_then(|file| file.file_name());
+            if let Some(file) = file.map(|file| file.to_string_lossy().into_owned()) {
+                part.rename(&file);
+            }
+            let sections = std::mem::take(&mut part.sections);
+            whole.learn(part, rules)?;
+            for section in sections {
+                whole.push(section, rules)?;
+            }
         }
         whole.complete_materials();
-        if whole.sections.is_empty() {
-            return Err(Error::Option("there is no section: at least one is needed".to_owned()));
-        }
-        Ok(whole)
+        whole.require_any()
     }
 
     /// All vertices' box; `None` when there are no contours.
@@ -70,17 +91,14 @@ impl Sections {
         self.complete_materials();
     }
 
-    fn append(&mut self, mut part: Self, rules: &Rules) -> Result<()> {
-        let file = part.files.first().and_then(|file| file.file_name());
-        if let Some(file) = file.map(|file| file.to_string_lossy().into_owned()) {
-            part.rename(&file);
-        }
+    /// Learns what other sections' files say besides the sections.
+    ///
+    /// # Errors
+    /// Where units, frames or directions up differ.
+    pub(crate) fn learn(&mut self, mut part: Self, rules: &Rules) -> Result<()> {
         same("unit", &mut self.units, &part.units, &part)?;
         same("frame", &mut self.frame, &part.frame, &part)?;
         self.stand(&part)?;
-        for section in std::mem::take(&mut part.sections) {
-            self.push(section, rules)?;
-        }
         for material in std::mem::take(&mut part.materials) {
             self.add_material(material, rules)?;
         }

@@ -1,0 +1,180 @@
+//! Models that change: sections are added, replaced and removed, and changes taken back.
+
+use glam::DVec3;
+use transect::change::{Change, SectionId};
+use transect::error::Result;
+use transect::grid::lattice::Resolution;
+use transect::label::Label;
+use transect::mesh::Mesh;
+use transect::method::{MeanValue, Method, Skeleton};
+use transect::model::{MOST_UNDONE, Model, Options};
+use transect::plane::Plane;
+use transect::progress::Silent;
+use transect::section::{Loop, Rules, Section, Sections};
+use transect::stage::Stages;
+
+/// A square around the middle of an axis-parallel plane.
+fn square(name: &str, axis: usize, offset: f64, half: f64, label: u32) -> Section {
+    let plane = Plane { normal: DVec3::AXES[axis], offset };
+    let at = |u: f64, v: f64| {
+        let mut point = DVec3::ZERO;
+        (point[axis], point[(axis + 1) % 3], point[(axis + 2) % 3]) = (offset, u, v);
+        point
+    };
+    let points = vec![at(-half, -half), at(half, -half), at(half, half), at(-half, half)];
+    let ring = Loop { points, label: Label(label), hole_of: None };
+    Section::from_loops(name, plane, &[ring], 4.0, &Rules::default()).expect("a section").0
+}
+
+/// Squares in all three directions.
+fn squares() -> Vec<Section> {
+    let drawn = [(0, -0.4), (1, 0.1), (2, -0.2), (0, 0.3), (2, 0.5)];
+    let named = |(index, &(axis, offset)): (usize, &(usize, f64))| {
+        square(&format!("section {index}"), axis, offset, 1.0, 1)
+    };
+    drawn.iter().enumerate().map(named).collect()
+}
+
+fn sections(sections: &[Section]) -> Sections {
+    Sections::new(sections.to_vec(), &Rules::default()).expect("sections")
+}
+
+fn methods() -> [Method; 3] {
+    let mean_value = Method::MeanValue(MeanValue::default());
+    [Method::default(), mean_value, Method::Skeleton(Skeleton::default())]
+}
+
+fn model(method: Method) -> Model {
+    Model::new(Options { method, resolution: Resolution::Voxels(24) })
+}
+
+fn apply(model: &mut Model, change: Change) -> Result<Vec<SectionId>> {
+    model.apply(change, &Rules::default(), &mut Stages::default(), &Silent)
+}
+
+fn undo(model: &mut Model) -> bool {
+    model.undo(&Rules::default(), &mut Stages::default(), &Silent).expect("it can be undone")
+}
+
+fn mesh(model: &Model) -> &Mesh {
+    &model.derived().expect("a surface").mesh
+}
+
+fn names(model: &Model) -> Vec<&str> {
+    model.given().map(|(_, section)| section.name()).collect()
+}
+
+#[test]
+fn sections_that_come_one_by_one_make_what_they_make_at_once() {
+    for method in methods() {
+        let (mut once, mut living) = (model(method), model(method));
+        let ids = apply(&mut once, Change::Add(sections(&squares()))).unwrap();
+        for (section, &id) in squares().iter().zip(&ids) {
+            let change = Change::Add(sections(std::slice::from_ref(section)));
+            assert_eq!(apply(&mut living, change).unwrap(), [id]);
+        }
+        assert_eq!(mesh(&living), mesh(&once));
+        // Nobody is renamed or numbered anew.
+        let expected: Vec<String> = (0..5).map(|index| format!("section {index}")).collect();
+        assert_eq!(names(&living), expected);
+        assert_eq!(ids, (0..5).map(SectionId).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn what_is_removed_leaves_no_trace_and_comes_back() {
+    for method in methods() {
+        let (mut living, mut without) = (model(method), model(method));
+        let ids = apply(&mut living, Change::Add(sections(&squares()))).unwrap();
+        let before = mesh(&living).clone();
+        apply(&mut living, Change::Remove(ids[3])).unwrap();
+        let mut rest = squares();
+        rest.remove(3);
+        apply(&mut without, Change::Add(sections(&rest))).unwrap();
+        assert_eq!(mesh(&living), mesh(&without));
+        assert!(undo(&mut living));
+        assert_eq!(mesh(&living), &before);
+        assert_eq!(names(&living).len(), 5);
+        // A number is never given twice.
+        let added = sections(&[square("new", 1, -0.6, 1.0, 2)]);
+        assert_eq!(apply(&mut living, Change::Add(added)).unwrap(), [SectionId(5)]);
+        assert!(undo(&mut living) && undo(&mut living) && !undo(&mut living));
+        assert!(living.derived().is_none() && names(&living).is_empty());
+    }
+}
+
+#[test]
+fn a_section_is_replaced_in_its_place() {
+    let (mut living, mut other) = (model(Method::default()), model(Method::default()));
+    let ids = apply(&mut living, Change::Add(sections(&squares()))).unwrap();
+    let smaller = square("smaller", 0, -0.4, 0.5, 1);
+    apply(&mut living, Change::Replace(ids[0], smaller.clone())).unwrap();
+    let mut all = squares();
+    all[0] = smaller;
+    apply(&mut other, Change::Add(sections(&all))).unwrap();
+    assert_eq!(mesh(&living), mesh(&other));
+    assert_eq!(names(&living), names(&other));
+}
+
+#[test]
+fn several_changes_are_one() {
+    let mut living = model(Method::default());
+    let ids = apply(&mut living, Change::Add(sections(&squares()))).unwrap();
+    let before = mesh(&living).clone();
+    let added = sections(&[square("new", 1, -0.6, 1.0, 2)]);
+    let change = Change::All(vec![
+        Change::Remove(ids[1]),
+        Change::Add(added),
+        Change::Replace(ids[2], square("replaced", 2, -0.2, 0.75, 1)),
+    ]);
+    assert_eq!(apply(&mut living, change).unwrap(), [SectionId(5)]);
+    assert_eq!(names(&living), ["section 0", "replaced", "section 3", "section 4", "new"]);
+    assert!(undo(&mut living));
+    assert_eq!(mesh(&living), &before);
+}
+
+#[test]
+fn a_change_that_is_refused_changes_nothing() {
+    let mut living = model(Method::default());
+    let ids = apply(&mut living, Change::Add(sections(&squares()))).unwrap();
+    let before = (mesh(&living).clone(), format!("{:?}", living.sections()));
+    // It lies on the plane of another one, and says something else.
+    let wrong = square("wrong", 0, -0.4, 1.0, 7);
+    let change = Change::All(vec![Change::Remove(ids[4]), Change::Add(sections(&[wrong]))]);
+    let error = apply(&mut living, change).unwrap_err().to_string();
+    assert!(error.contains("section wrong: lies on the plane of section section 0"), "{error}");
+    let error = apply(&mut living, Change::Remove(SectionId(17))).unwrap_err().to_string();
+    assert!(error.contains("no section with the number 17"), "{error}");
+    assert_eq!((mesh(&living).clone(), format!("{:?}", living.sections())), before);
+    // And it is not a change that could be taken back.
+    assert!(undo(&mut living) && !undo(&mut living));
+}
+
+#[test]
+fn of_two_sections_on_one_plane_either_can_go() {
+    let mut living = model(Method::default());
+    let mut all = squares();
+    let ids = apply(&mut living, Change::Add(sections(&all))).unwrap();
+    let same = square("same", 0, -0.4, 1.0, 1);
+    apply(&mut living, Change::Add(sections(&[same]))).unwrap();
+    assert_eq!((living.sections().sections.len(), names(&living).len()), (5, 6));
+    apply(&mut living, Change::Remove(ids[0])).unwrap();
+    assert_eq!((living.sections().sections.len(), names(&living).len()), (5, 5));
+    let mut other = model(Method::default());
+    all.rotate_left(1);
+    apply(&mut other, Change::Add(sections(&all))).unwrap();
+    assert_eq!(mesh(&living), mesh(&other));
+}
+
+#[test]
+fn only_the_last_changes_are_remembered() {
+    let mut living = model(Method::Skeleton(Skeleton::default()));
+    let ids = apply(&mut living, Change::Add(sections(&squares()))).unwrap();
+    for step in 0..MOST_UNDONE {
+        let half = if step % 2 == 0 { 0.75 } else { 0.5 };
+        let change = Change::Replace(ids[1], square("section 1", 1, 0.1, half, 1));
+        apply(&mut living, change).unwrap();
+    }
+    assert_eq!((0..2 * MOST_UNDONE).filter(|_| undo(&mut living)).count(), MOST_UNDONE);
+    assert_eq!(names(&living).len(), 5);
+}
