@@ -1,6 +1,7 @@
 //! The way to a GPU, for all that run on one: choosing an adapter, buffers and
 //! dispatches.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 
 use bytemuck::Pod;
@@ -18,6 +19,10 @@ pub enum Adapter {
     /// A real GPU when there is one, else a software adapter.
     Any,
 }
+
+/// Whether real GPUs were looked for in vain: that takes a while, and is asked at every
+/// change of a model.
+static NO_HARDWARE: AtomicBool = AtomicBool::new(false);
 
 /// An open device.
 pub(crate) struct Connection {
@@ -217,21 +222,26 @@ impl Connection {
 }
 
 fn choose(kind: Adapter) -> Result<wgpu::Adapter> {
+    if kind == Adapter::Hardware && NO_HARDWARE.load(Ordering::Relaxed) {
+        return Err(no_adapter());
+    }
     let descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     let instance = wgpu::Instance::new(descriptor);
-    pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
+    let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
         .into_iter()
         .filter(is_capable)
         .filter_map(|adapter| Some((kind.rank(adapter.get_info().device_type)?, adapter)))
-        .min_by_key(|&(rank, _)| rank)
-        .map(|(_, adapter)| adapter)
-        .ok_or_else(|| {
-            Error::Device(
-                "no usable GPU adapter was found: use --device cpu, or install a driver \
-                 (mesa-vulkan-drivers has a software adapter)"
-                    .to_owned(),
-            )
-        })
+        .min_by_key(|&(rank, _)| rank);
+    if kind == Adapter::Hardware && found.is_none() {
+        NO_HARDWARE.store(true, Ordering::Relaxed);
+    }
+    found.map(|(_, adapter)| adapter).ok_or_else(no_adapter)
+}
+
+fn no_adapter() -> Error {
+    let what = "no usable GPU adapter was found: use --device cpu, or install a driver \
+                (mesa-vulkan-drivers has a software adapter)";
+    Error::Device(what.to_owned())
 }
 
 /// Whether the adapter runs compute shaders with seven storage buffers.

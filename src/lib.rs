@@ -46,6 +46,7 @@ pub mod grid;
 pub mod inspect;
 pub mod io;
 pub mod label;
+mod living;
 pub mod mask;
 pub mod memory;
 pub mod mesh;

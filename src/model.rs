@@ -3,7 +3,7 @@
 //! Sections are ground state; complex, samples and mesh follow from them.
 //! Only [`Model::apply`] changes a model, all or nothing.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use crate::capping::Capping;
 use crate::change::{Change, Given, Replaced, SectionId};
@@ -13,8 +13,9 @@ use crate::field::{self, Boundaries};
 use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_memory;
 use crate::grid::samples::{Lattice, Samples};
-use crate::grid::sampling::{Margin, Starts, sample};
+use crate::grid::sampling::{Margin, Starts, sample, sample_again};
 use crate::label::Label;
+use crate::living::Living;
 use crate::mesh::Mesh;
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::dual::dual;
@@ -51,11 +52,15 @@ pub struct Options {
     pub method: Method,
     /// How fine the grid is.
     pub resolution: Resolution,
+    /// The box that is filled. Without one it follows from the sections, anew with every
+    /// change; with one the mean-value field is evaluated again only where a change concerns
+    /// it.
+    pub bounds: Option<Bounds>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { method: Method::default(), resolution: Resolution::Voxels(256) }
+        Self { method: Method::default(), resolution: Resolution::Voxels(256), bounds: None }
     }
 }
 
@@ -69,6 +74,8 @@ pub struct Model {
     /// Those given, of every plane one.
     sections: Sections,
     derived: Option<Derived>,
+    /// What the mean-value field keeps for the next change.
+    living: Option<Living>,
 }
 
 /// What follows from the sections.
@@ -89,8 +96,8 @@ pub struct Derived {
 impl Model {
     /// A model without sections.
     pub fn new(options: Options) -> Self {
-        let (given, past, sections, derived) = Default::default();
-        Self { options, given, past, sections, derived }
+        let (given, past, sections, derived, living) = Default::default();
+        Self { options, given, past, sections, derived, living }
     }
 
     /// Changes the sections and derives everything anew; the model stays as it
@@ -146,7 +153,7 @@ impl Model {
         progress: &dyn Progress,
     ) -> Result<()> {
         let sections = given.merged(rules)?;
-        let derive = |sections| derive(sections, &self.options, stages, progress);
+        let derive = |sections| derive(sections, &self.options, &mut self.living, stages, progress);
         self.derived = sections.as_ref().map(derive).transpose()?;
         self.sections = sections.unwrap_or_default();
         self.given = given;
@@ -185,6 +192,24 @@ pub(crate) fn bounds_of(sections: &Sections) -> Result<Bounds> {
     sections.space().ok_or_else(|| Error::Option(what.to_owned()))
 }
 
+/// The given box.
+///
+/// # Errors
+/// When a contour leaves it, or as [`bounds_of`].
+fn require_within(sections: &Sections, bounds: Bounds) -> Result<Bounds> {
+    bounds_of(sections)?;
+    let leaves = |section: &&Section| {
+        section.segments().flatten().any(|point| point.clamp(bounds.min, bounds.max) != point)
+    };
+    match sections.sections.iter().find(leaves) {
+        None => Ok(bounds),
+        Some(section) => Err(Error::Section {
+            section: section.name().to_owned(),
+            what: format!("it leaves the box from {} to {}", bounds.min, bounds.max),
+        }),
+    }
+}
+
 /// What methods derive from.
 struct Ground<'a> {
     sections: &'a [Section],
@@ -196,16 +221,20 @@ struct Ground<'a> {
 fn derive(
     sections: &Sections,
     options: &Options,
+    living: &mut Option<Living>,
     stages: &mut Stages,
     progress: &dyn Progress,
 ) -> Result<Derived> {
-    let bounds = bounds_of(sections)?;
+    let bounds = match options.bounds {
+        Some(bounds) => require_within(sections, bounds)?,
+        None => bounds_of(sections)?,
+    };
     let lattice = Lattice::new(bounds, options.resolution)?;
     require_memory(&lattice, &sections.sections, sections.materials.len())?;
     let ground = Ground { sections: &sections.sections, bounds, lattice };
     match &options.method {
         Method::Variational(method) => ground.solve(method, stages, progress),
-        Method::MeanValue(method) => ground.evaluate(method, stages, progress),
+        Method::MeanValue(method) => ground.evaluate(method, living, stages, progress),
         Method::Skeleton(method) => ground.build(method, stages, progress),
     }
 }
@@ -237,17 +266,30 @@ impl Ground<'_> {
     fn evaluate(
         &self,
         method: &MeanValue,
+        living: &mut Option<Living>,
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
         let Self { sections, bounds, lattice } = self;
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let sections = capping.sections.as_ref();
-        let complex = arranged(sections, *bounds, method.border, stages, progress)?;
+        let kept = living.take().filter(|living| living.is_in(*bounds, method.border));
+        let living = living.insert(match kept {
+            Some(living) => living,
+            None => Living::new(*bounds, method.border)?,
+        });
+        stages.run("arrangement", |counts| {
+            progress.begin("arrangement", 0);
+            let touched = living.follow(sections)?;
+            count(living.complex(), counts);
+            counts.insert("touched".into(), touched as u64);
+            Ok(())
+        })?;
+        let complex = living.complex();
         let boundaries = stages.run("completion", |counts| {
             progress.begin("completion", 0);
             let clearance = CLEARANCE * lattice.voxel;
-            let boundaries = Boundaries::new(&complex, clearance, method.spacing)?;
+            let boundaries = Boundaries::new(complex, clearance, method.spacing)?;
             let completion = boundaries.completion();
             counts
                 .insert("triangles of unknown regions".into(), completion.triangle_count() as u64);
@@ -255,14 +297,25 @@ impl Ground<'_> {
             counts.insert("sweeps".into(), completion.sweeps().into());
             Ok(boundaries)
         })?;
-        let (samples, device) = stages.run("field", |counts| {
+        let (kept, is_known, device) = stages.run("field", |counts| {
             let field = field::new(&boundaries, method.device)?;
             let starts = Starts::new(sections, boundaries.completion(), lattice);
-            let sampling = sample(&complex, field.as_ref(), &starts, lattice, Margin(1), progress)?;
-            counts.insert("leaves".into(), sampling.samples.valued.len() as u64);
+            let is_known = boundaries.completion().corner_count() == 0;
+            let before = living.before(lattice).filter(|_| is_known);
+            let field_of = field.as_ref();
+            let sampling = match before {
+                Some(before) => {
+                    sample_again(complex, field_of, &starts, before, Margin(1), progress)
+                }
+                None => sample(complex, field_of, &starts, lattice, Margin(1), progress),
+            }?;
+            counts.insert("leaves".into(), sampling.kept.samples.valued.len() as u64);
             counts.insert("evaluations".into(), sampling.points);
-            Ok((sampling.samples, field.name()))
+            Ok((sampling.kept, is_known, field.name()))
         })?;
+        let complex = complex.clone();
+        let samples = kept.samples.clone();
+        living.keep(is_known.then_some(kept));
         let mut samples = stages.run("smoothing", |counts| {
             let (samples, effort, specks) =
                 smoothed(samples, sections, *bounds, method.smooth, progress)?;
@@ -360,11 +413,15 @@ pub(crate) fn arranged(
     stages.run("arrangement", |counts| {
         progress.begin("arrangement", 0);
         let complex = Complex::new(sections, bounds, border)?;
-        counts.insert("planes".into(), sections.len() as u64);
-        counts.insert("facets".into(), complex.facets().count() as u64);
-        counts.insert("cells".into(), complex.cells().count() as u64);
+        count(&complex, counts);
         Ok(complex)
     })
+}
+
+fn count(complex: &Complex, counts: &mut BTreeMap<String, u64>) {
+    counts.insert("planes".into(), complex.planes().count() as u64);
+    counts.insert("facets".into(), complex.facets().count() as u64);
+    counts.insert("cells".into(), complex.cells().count() as u64);
 }
 
 /// The surface of samples.

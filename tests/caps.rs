@@ -69,7 +69,11 @@ fn methods(caps: Caps, mesher: Mesher) -> [Method; 2] {
 }
 
 fn model(sections: Vec<Section>, method: Method, voxels: u32) -> Model {
-    let mut model = Model::new(Options { method, resolution: Resolution::Voxels(voxels) });
+    let mut model = Model::new(Options {
+        method,
+        resolution: Resolution::Voxels(voxels),
+        ..Options::default()
+    });
     let (rules, mut stages) = (Rules::default(), Stages::default());
     let sections = Sections::new(sections, &rules).expect("sections");
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");

@@ -24,7 +24,7 @@ fn read(names: &[&str]) -> Sections {
 fn reconstruct(sections: Sections, voxels: u32, spacing: Option<f64>) -> Check {
     let resolution = Resolution::Voxels(voxels);
     let method = Method::MeanValue(MeanValue { spacing, ..MeanValue::default() });
-    let mut model = Model::new(Options { resolution, method });
+    let mut model = Model::new(Options { method, resolution, ..Options::default() });
     let mut stages = Stages::default();
     let change = Change::Add(sections);
     model.apply(change, &Rules::default(), &mut stages, &Silent).expect("it reconstructs");

@@ -49,14 +49,14 @@ fn reconstructs(name: &str, voxels: u32) {
     let list = &sections.sections;
     let starts = Starts::new(list, boundaries.completion(), &lattice);
     let sampling = sample(&complex, field.as_ref(), &starts, &lattice, Margin(1), &Silent).unwrap();
-    let (leaves, points) = (sampling.samples.valued.len(), sampling.points);
+    let (leaves, points) = (sampling.kept.samples.valued.len(), sampling.points);
     clock.lap(&format!(
         "sampling: {leaves} leaves, {points} points, estimate {} MB",
         estimate >> 20
     ));
-    sampling.samples.sanity_check().unwrap();
+    sampling.kept.samples.sanity_check().unwrap();
     clock.lap("checking");
-    let (samples, ..) = smoothed(sampling.samples, list, bounds, 1.0, &Silent).unwrap();
+    let (samples, ..) = smoothed(sampling.kept.samples, list, bounds, 1.0, &Silent).unwrap();
     clock.lap("smoothing");
     samples.sanity_check().unwrap();
     clock.lap("checking");

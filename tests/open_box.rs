@@ -37,7 +37,7 @@ fn reconstructed(border: Label) -> Model {
     let spacing = Some(1.5);
     let resolution = Resolution::Voxels(64);
     let method = Method::MeanValue(MeanValue { border, spacing, ..MeanValue::default() });
-    let options = Options { method, resolution };
+    let options = Options { method, resolution, ..Options::default() };
     let mut model = Model::new(options);
     let (rules, mut stages) = (Rules::default(), Stages::default());
     model.apply(Change::Add(pipe()), &rules, &mut stages, &Silent).expect("it reconstructs");

@@ -21,7 +21,7 @@ fn reconstruct(sections: &[String], voxels: u32) -> Check {
     let rules = Rules::default();
     let sections = json::read(&text, Path::new("test"), &rules).expect("sections");
     let method = Method::MeanValue(MeanValue::default());
-    let options = Options { method, resolution: Resolution::Voxels(voxels) };
+    let options = Options { method, resolution: Resolution::Voxels(voxels), ..Options::default() };
     let mut model = Model::new(options);
     let mut stages = Stages::default();
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");

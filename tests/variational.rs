@@ -53,7 +53,7 @@ fn stack(heights: impl IntoIterator<Item = f64>) -> Vec<Section> {
 fn model(sections: Sections, voxels: u32, border: Label) -> Model {
     let method = Method::Variational(Variational { border, ..Variational::default() });
     let resolution = Resolution::Voxels(voxels);
-    let mut model = Model::new(Options { method, resolution });
+    let mut model = Model::new(Options { method, resolution, ..Options::default() });
     let (rules, mut stages) = (Rules::default(), Stages::default());
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
     let samples = &model.derived().expect("something was derived").samples;

@@ -37,7 +37,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let grids =
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
     let resolution = arguments.grid.resolution();
-    let options = Options { method: method(arguments)?, resolution };
+    let options = Options { method: method(arguments)?, resolution, bounds: None };
     require_picture(&arguments.picture, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
     super::limit_threads(arguments.threads)?;

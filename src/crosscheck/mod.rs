@@ -177,7 +177,7 @@ fn model_options(options: &Options) -> model::Options {
             ..Variational::default()
         }),
     };
-    model::Options { method, resolution }
+    model::Options { method, resolution, bounds: None }
 }
 
 fn derived(model: &Model) -> Result<&Derived> {

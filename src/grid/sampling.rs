@@ -1,6 +1,8 @@
 //! Evaluates the field near the surface: from the contours and a coarse
 //! lattice on, following changes of label from leaf to leaf.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -13,12 +15,14 @@ use crate::section::Section;
 use super::contour::{corners, pierced_voxels, segments};
 use super::invariant::{differs_near_face, faces, neighbor, node_offset};
 use super::leaf::{Leaf, LeafOf, LeafValues, NewLeaf};
-use super::locate::{Cells, leaf_cells, node_cell, place};
+use super::locate::{Cells, NO_CELL, leaf_cells, node_cell, place};
 use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples, Values};
 
 mod batch;
+mod kept;
 
 use batch::Batch;
+pub use kept::{Before, Kept};
 
 /// Leaves evaluated at a time: a million points, some 50 MB with what
 /// belongs to them.
@@ -39,8 +43,8 @@ pub struct Margin(pub usize);
 /// Samples, and what they cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
-    /// The samples.
-    pub samples: Samples,
+    /// The samples, with what sampling again wants to know.
+    pub kept: Kept,
     /// Points at which the field was evaluated; those in cells of one label
     /// alone are not counted.
     pub points: u64,
@@ -85,7 +89,25 @@ pub fn sample(
     margin: Margin,
     progress: &dyn Progress,
 ) -> Result<Sampling> {
-    let sampler = Sampler { cells, field, lattice: *lattice, margin, progress };
+    let sampler = Sampler { cells, field, lattice: *lattice, margin, before: None, progress };
+    sampler.run(starts.0.clone())
+}
+
+/// The same when some cells have changed since samples were taken on the same lattice: only
+/// what lies in those is evaluated.
+///
+/// # Errors
+/// When the field cannot be evaluated.
+pub fn sample_again(
+    cells: &dyn Cells,
+    field: &dyn Field,
+    starts: &Starts,
+    before: Before,
+    margin: Margin,
+    progress: &dyn Progress,
+) -> Result<Sampling> {
+    let lattice = before.kept.samples.lattice;
+    let sampler = Sampler { cells, field, lattice, margin, before: Some(before), progress };
     sampler.run(starts.0.clone())
 }
 
@@ -115,6 +137,7 @@ struct Sampler<'a> {
     field: &'a dyn Field,
     lattice: Lattice,
     margin: Margin,
+    before: Option<Before<'a>>,
     progress: &'a dyn Progress,
 }
 
@@ -123,18 +146,20 @@ struct State {
     samples: Samples,
     /// For every leaf of the lattice whether it is evaluated or about to be.
     taken: Vec<bool>,
+    /// The cells that the nodes of the leaves lie in.
+    cells: HashMap<[i32; 3], Vec<u32>>,
     points: u64,
 }
 
 impl Sampler<'_> {
     fn run(&self, mut starts: Vec<[i32; 3]>) -> Result<Sampling> {
         self.progress.begin("sampling", 0);
-        let (tiles, points) = self.coarse_labels()?;
+        let (tiles, coarse, points) = self.coarse_labels()?;
         let taken = vec![false; tiles.len()];
         starts.extend(self.coarse_changes(&tiles));
         let open = self.cells.is_open().then(|| self.cells.bounds());
         let samples = Samples::new(self.lattice, tiles, open, Values::Indicators);
-        let mut state = State { samples, taken, points };
+        let mut state = State { samples, taken, cells: HashMap::new(), points };
         let mut wave = self.take(starts, &mut state.taken);
         while !wave.is_empty() {
             let mut next = Vec::new();
@@ -144,7 +169,9 @@ impl Sampler<'_> {
             }
             wave = self.take(next, &mut state.taken);
         }
-        Ok(Sampling { samples: state.samples, points: state.points })
+        let State { samples, mut cells, points, .. } = state;
+        let cells = samples.valued.iter().map(|at| cells.remove(at).unwrap_or_default()).collect();
+        Ok(Sampling { kept: Kept { samples, coarse, cells }, points })
     }
 
     /// Sorts leaves, drops those taken already, and takes the others.
@@ -155,22 +182,35 @@ impl Sampler<'_> {
         leaves
     }
 
-    /// The label of one node of every leaf, and how many points that took.
-    fn coarse_labels(&self) -> Result<(Vec<Label>, u64)> {
+    /// The label of one node of every leaf, its cell, and how many points that took.
+    fn coarse_labels(&self) -> Result<(Vec<Label>, Vec<u32>, u64)> {
         let count = self.lattice.leaf_count() as usize;
-        let mut tiles = Vec::with_capacity(count);
+        let known = |index| self.before.as_ref().and_then(|before| before.coarse(index));
+        let (mut tiles, mut coarse) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut points = 0;
         for start in (0..count).step_by(BATCH_POINTS) {
             let indices = start..count.min(start + BATCH_POINTS);
             let node = |index| self.lattice.leaf_at(index).map(|at| at * SIDE + COARSE);
-            let cell = |index| node_cell(self.cells, &self.lattice, node(index));
-            let cells = indices.clone().into_par_iter().map(cell).collect();
+            let cell = |index| match known(index) {
+                Some((cell, _)) => cell,
+                None => node_cell(self.cells, &self.lattice, node(index)),
+            };
+            coarse.par_extend(indices.clone().into_par_iter().map(cell));
+            let wanted = |index: usize| match known(index) {
+                Some(_) => NO_CELL,
+                None => coarse[index],
+            };
+            let cells = indices.clone().into_par_iter().map(wanted).collect();
             let position = |index| place(self.cells, &self.lattice, node(start + index));
             let batch = Batch::evaluate(self.field, cells, position)?;
             points += batch.points;
-            tiles.par_extend((0..indices.len()).into_par_iter().map(|index| batch.label(index)));
+            let label = |index| match known(index) {
+                Some((_, label)) => label,
+                None => batch.label(index - start),
+            };
+            tiles.par_extend(indices.into_par_iter().map(label));
         }
-        Ok((tiles, points))
+        Ok((tiles, coarse, points))
     }
 
     /// Leaves with another coarse label than a neighbour's. Beyond the
@@ -191,11 +231,18 @@ impl Sampler<'_> {
     }
 
     /// Evaluates leaves and says which others the surface comes near to.
-    fn evaluate(&self, leaves: &[[i32; 3]], state: &mut State) -> Result<Vec<[i32; 3]>> {
-        let cells = leaves
+    fn evaluate(&self, wave: &[[i32; 3]], state: &mut State) -> Result<Vec<[i32; 3]>> {
+        let leaves = self.reuse(wave, state);
+        let cells: Vec<u32> = leaves
             .par_iter()
             .flat_map_iter(|&at| leaf_cells(self.cells, &self.lattice, at))
             .collect();
+        for (&at, cells) in leaves.iter().zip(cells.chunks(LEAF_NODES)) {
+            let mut cells = cells.to_vec();
+            cells.sort_unstable();
+            cells.dedup();
+            state.cells.insert(at, cells);
+        }
         let position = |node: usize| {
             let (at, offset) = (leaves[node / LEAF_NODES], node_offset(node % LEAF_NODES));
             let node = std::array::from_fn(|axis| at[axis] * SIDE + offset[axis] as i32);
@@ -206,8 +253,25 @@ impl Sampler<'_> {
         let leaf = |(index, &at): (usize, &[i32; 3])| collect_leaf(&batch, index, at);
         let found: Vec<NewLeaf> = leaves.par_iter().enumerate().map(leaf).collect();
         state.samples.add(found);
-        let found = leaves.par_iter().filter_map(|&at| state.samples.leaf(at));
+        let found = wave.par_iter().filter_map(|&at| state.samples.leaf(at));
         Ok(found.flat_map_iter(|leaf| self.nearby(&leaf, &state.samples.tiles)).collect())
+    }
+
+    /// Takes over the leaves that are as they were, and returns the others.
+    fn reuse(&self, wave: &[[i32; 3]], state: &mut State) -> Vec<[i32; 3]> {
+        let Some(before) = &self.before else { return wave.to_vec() };
+        let (mut reused, mut others) = (Vec::new(), Vec::new());
+        for &at in wave {
+            match before.leaf(at) {
+                Some((leaf, cells)) => {
+                    state.cells.insert(at, cells.to_vec());
+                    reused.push(leaf);
+                }
+                None => others.push(at),
+            }
+        }
+        state.samples.add(reused);
+        others
     }
 
     /// The neighbours of a leaf whose tile differs from a node near them.

@@ -56,7 +56,7 @@ impl Oracle<'_> {
         let edges: Vec<[DVec3; 2]> =
             self.sites.iter().flat_map(|site| site.section.segments()).collect();
         let starts = Starts::along(&edges, lattice);
-        Ok(sample(self, field, &starts, lattice, Margin(1), progress)?.samples)
+        Ok(sample(self, field, &starts, lattice, Margin(1), progress)?.kept.samples)
     }
 }
 

@@ -93,7 +93,7 @@ pub fn trial(solid: &Mesh, planes: &[Plane], method: Method, voxels: u32) -> Res
     let rules = Rules::default();
     let sections = Sections::new(slice(solid, planes)?, &rules)?;
     let resolution = Resolution::Voxels(voxels);
-    let mut model = Model::new(Options { method, resolution });
+    let mut model = Model::new(Options { method, resolution, ..Options::default() });
     let mut stages = Stages::default();
     model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;

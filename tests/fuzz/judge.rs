@@ -122,7 +122,11 @@ fn refused(error: &Error) -> Verdict {
 
 fn reconstruct(sections: Sections, method: Method) -> Result<Made, Error> {
     let rules = Rules::default();
-    let mut model = Model::new(Options { method, resolution: Resolution::Voxels(VOXELS) });
+    let mut model = Model::new(Options {
+        method,
+        resolution: Resolution::Voxels(VOXELS),
+        ..Options::default()
+    });
     model.apply(Change::Add(sections), &rules, &mut Stages::default(), &Silent)?;
     let Some(Derived { mesh, samples, .. }) = model.derived() else {
         return Err(Error::Bug { stage: "model", what: "nothing was derived".to_owned() });

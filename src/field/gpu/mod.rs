@@ -42,8 +42,8 @@ impl Gpu {
     /// As [`field::new`](super::new); [`Error::Device`](crate::error::Error::Device) when there is no such
     /// adapter, or the boundaries do not fit into its memory.
     pub fn new(boundaries: &Boundaries, adapter: Adapter) -> Result<Self> {
-        let cpu = Cpu::new(boundaries)?;
         let connection = Connection::open(adapter)?;
+        let cpu = Cpu::new(boundaries)?;
         let pipeline = connection.pipeline("field", SHADER, "evaluate");
         let tables = Tables::new(cpu.cells());
         let tables = tables

@@ -88,7 +88,7 @@ fn cube(half: f64) -> Bounds {
 
 fn run(balls: &Balls, cells: &Halves, lattice: Lattice, margin: usize) -> Sampling {
     let margin = Margin(margin);
-    let sampler = Sampler { cells, field: balls, lattice, margin, progress: &Silent };
+    let sampler = Sampler { cells, field: balls, lattice, margin, before: None, progress: &Silent };
     sampler.run(Vec::new()).unwrap()
 }
 
@@ -130,7 +130,7 @@ fn a_surface_on_the_box_is_closed_outside_of_it() {
     let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     for resolution in [6, 7, 14, 15, 16, 30] {
         let lattice = Lattice::new(cells.bounds, Resolution::Voxels(resolution)).unwrap();
-        let samples = run(&balls, &cells, lattice, 1).samples;
+        let samples = run(&balls, &cells, lattice, 1).kept.samples;
         samples.sanity_check().unwrap();
         let nodes = lattice.dims.map(|nodes| nodes - 2);
         assert_eq!(node_label(&samples, nodes), Label(1));
@@ -143,8 +143,8 @@ fn a_wider_margin_keeps_the_surface_from_tiles() {
     let balls = Balls::new(&[(DVec3::splat(0.1), 0.61)]);
     let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
-    let narrow = run(&balls, &cells, lattice, 1).samples;
-    let wide = run(&balls, &cells, lattice, 4).samples;
+    let narrow = run(&balls, &cells, lattice, 1).kept.samples;
+    let wide = run(&balls, &cells, lattice, 4).kept.samples;
     assert!(wide.valued.len() > narrow.valued.len());
     wide.sanity_check().unwrap();
     for leaf in wide.leaves() {
@@ -166,7 +166,7 @@ fn contours_find_what_the_coarse_lattice_misses() {
     let balls = Balls::new(&[(center, 0.045)]);
     let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(64)).unwrap();
-    assert!(run(&balls, &cells, lattice, 1).samples.valued.is_empty());
+    assert!(run(&balls, &cells, lattice, 1).kept.samples.valued.is_empty());
 
     let plane = Plane { normal: DVec3::Z, offset: 0.01 };
     let around = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
@@ -181,9 +181,15 @@ fn contours_find_what_the_coarse_lattice_misses() {
     };
     let edges: Vec<[DVec3; 2]> = section.segments().collect();
     let Starts(starts) = Starts::along(&edges, &lattice);
-    let sampler =
-        Sampler { cells: &cells, field: &balls, lattice, margin: Margin(1), progress: &Silent };
-    let samples = sampler.run(starts).unwrap().samples;
+    let sampler = Sampler {
+        cells: &cells,
+        field: &balls,
+        lattice,
+        margin: Margin(1),
+        before: None,
+        progress: &Silent,
+    };
+    let samples = sampler.run(starts).unwrap().kept.samples;
     samples.sanity_check().unwrap();
     let labels = samples.leaves().flat_map(|leaf| leaf.labels());
     assert!(labels.filter(|&label| label == Label(1)).count() > 5);
@@ -208,7 +214,7 @@ fn in_an_open_box_nodes_beyond_it_have_the_nearest_values_inside() {
     let cells = Halves { bounds: cube(1.0), split: 2.0, open: true };
     for resolution in [47, 48, 55] {
         let lattice = Lattice::new(cells.bounds, Resolution::Voxels(resolution)).unwrap();
-        let samples = run(&balls, &cells, lattice, 3).samples;
+        let samples = run(&balls, &cells, lattice, 3).kept.samples;
         samples.sanity_check().unwrap();
         assert_eq!(samples.open, Some(cells.bounds));
         let mut beyond = 0;

@@ -34,7 +34,8 @@ impl Made {
     fn new(sections: &[Section], voxels: u32, smooth: f64, border: Label) -> Self {
         let method = MeanValue { smooth, border, ..MeanValue::default() };
         let resolution = Resolution::Voxels(voxels);
-        let mut model = Model::new(Options { method: Method::MeanValue(method), resolution });
+        let mut model =
+            Model::new(Options { method: Method::MeanValue(method), resolution, bounds: None });
         let sections = Sections { sections: sections.to_vec(), ..Sections::default() };
         let change = Change::Add(sections);
         model.apply(change, &Rules::default(), &mut Stages::default(), &Silent).unwrap();
