@@ -106,7 +106,7 @@ fn every_node_of_two_balls_has_the_right_label() {
     let balls = Balls::new(&[(DVec3::splat(-0.3), 0.45), (DVec3::new(0.5, 0.4, 0.45), 0.4)]);
     let cells = Halves { bounds: cube(1.0), split: 0.95, open: false };
     let lattice = Lattice::new(cells.bounds, Resolution::Voxels(50)).unwrap();
-    let Sampling { samples, points } = run(&balls, &cells, lattice, 1);
+    let Sampling { kept: Kept { samples, .. }, points } = run(&balls, &cells, lattice, 1);
     samples.sanity_check().unwrap();
     assert_eq!(samples.materials(), [Label(1), Label(2)]);
     let mut inside = 0;
