@@ -314,18 +314,17 @@ fn rate(field: &dyn Field, queries: &Queries) -> Result<f64> {
 /// About `count` points, spread evenly over the cells that need evaluation:
 /// on the way from a cell's middle to the middles of its faces.
 fn queries(complex: &Complex, field: &dyn Field, count: usize) -> Queries {
-    let cells: Vec<u32> =
-        (0..complex.cells().len() as u32).filter(|&cell| field.edges(cell) > 0).collect();
+    let cells: Vec<u32> = complex.cells().ids().filter(|&cell| field.edges(cell) > 0).collect();
     let each = count.div_ceil(cells.len().max(1)).max(1);
     let mut queries = Queries::default();
     for cell in cells {
         let start = queries.points.len();
-        let faces = &complex.cells()[cell].faces;
-        let corners = || faces.iter().flat_map(|&face| complex.outline(face));
+        let facets = &complex.cells()[cell].facets;
+        let corners = || facets.iter().flat_map(|&facet| &complex.facets()[facet].outline);
         let middle =
             corners().fold(DVec3::ZERO, |sum, &corner| sum + corner) / corners().count() as f64;
         for place in 0..each {
-            let outline = complex.outline(faces[place % faces.len()]);
+            let outline = &complex.facets()[facets[place % facets.len()]].outline;
             let goal = outline[place % outline.len()];
             let part = (place as f64 + 0.5) / each as f64;
             queries.points.push(middle.lerp(goal, 0.98 * part));

@@ -4,6 +4,7 @@
 //! Only [`Model::apply`] changes a model, all or nothing.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Mutex, PoisonError};
 
 use crate::capping::Capping;
 use crate::change::{Change, Given, Replaced, SectionId};
@@ -74,8 +75,9 @@ pub struct Model {
     /// Those given, of every plane one.
     sections: Sections,
     derived: Option<Derived>,
-    /// What the mean-value field keeps for the next change.
-    living: Option<Living>,
+    /// What the mean-value field keeps for the next change; behind a lock, though nobody
+    /// waits for it, since threads may share a model but not this.
+    living: Mutex<Option<Living>>,
 }
 
 /// What follows from the sections.
@@ -153,7 +155,8 @@ impl Model {
         progress: &dyn Progress,
     ) -> Result<()> {
         let sections = given.merged(rules)?;
-        let derive = |sections| derive(sections, &self.options, &mut self.living, stages, progress);
+        let living = self.living.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let derive = |sections| derive(sections, &self.options, living, stages, progress);
         self.derived = sections.as_ref().map(derive).transpose()?;
         self.sections = sections.unwrap_or_default();
         self.given = given;

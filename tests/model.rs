@@ -246,3 +246,9 @@ fn same_samples(one: &Model, other: &Model) {
         }
     }
 }
+
+#[test]
+fn threads_may_share_a_model() {
+    fn is_shared<T: Send + Sync>(_: &T) {}
+    is_shared(&model(Method::default()));
+}

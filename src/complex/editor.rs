@@ -62,7 +62,8 @@ impl Editor {
         }
         let numbers: Vec<f64> =
             (0..3).flat_map(|axis| [bounds.min[axis], bounds.max[axis]]).collect();
-        let exact = new_complex(&numbers, border.0).map_err(failed)?;
+        let mut exact = new_complex(&numbers, border.0).map_err(failed)?;
+        exact.pin_mut().begin();
         let mut planes = Slots::default();
         for (plane, id) in box_planes(bounds).into_iter().zip(0..) {
             planes.put(id, Some(plane));

@@ -86,3 +86,7 @@ mod bridge {
 }
 
 pub use bridge::*;
+
+// SAFETY: it owns all it refers to but for CGAL's numbers, whose counts of references are
+// atomic (`CGAL_HAS_THREADS`).
+unsafe impl Send for ExactComplex {}

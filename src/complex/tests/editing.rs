@@ -124,6 +124,35 @@ fn a_change_that_is_taken_back_leaves_nothing() {
 }
 
 #[test]
+fn a_section_that_contradicts_itself_is_refused_and_leaves_nothing() {
+    let plane = plane([0.0, 0.0, 1.0], 0.25);
+    let square = rectangle([-0.5, -0.5], [0.5, 0.5]);
+    let mut wrong = drawn("wrong", plane, &[(&square, 1)]);
+    wrong.edges[2].left = Label(7);
+    let across =
+        [empty(super::plane([1.0, 0.0, 0.0], 0.1)), empty(super::plane([0.0, 1.0, 0.0], 0.1))];
+    // On the lines of the others labels do not agree, and without others nobody notices: that
+    // sections agree with themselves is promised by their making.
+    let mut editor = Editor::new(CENTERED, Label::OUTSIDE).unwrap();
+    for section in &across {
+        editor.add(section).unwrap();
+    }
+    let error = editor.add(&wrong).unwrap_err().to_string();
+    assert!(error.starts_with("section wrong: labels contradict each other at"), "{error}");
+    // Nothing was committed yet: all of it goes.
+    editor.rollback();
+    editor.add(&across[0]).unwrap();
+    editor.commit().unwrap();
+    assert_eq!(editor.sanity_check(), Ok(()));
+    assert_eq!(described(editor.complex()), described(built(&[&across[0]]).0.complex()));
+    editor.add(&across[1]).unwrap();
+    editor.add(&wrong).unwrap_err();
+    editor.rollback();
+    assert_eq!(editor.sanity_check(), Ok(()));
+    assert_eq!(described(editor.complex()), described(built(&[&across[0]]).0.complex()));
+}
+
+#[test]
 fn a_section_is_drawn_anew_in_its_place() {
     let plane = plane([0.0, 0.0, 1.0], 0.25);
     let first = drawn("first", plane, &[(&rectangle([-0.5, -0.5], [0.5, 0.5]), 1)]);
