@@ -44,10 +44,10 @@ int side_of(const Place& place, const Plane& plane) {
   const auto& [a, b, c] = plane.rough_normal;
   const double x = a * place.rough[0], y = b * place.rough[1], z = c * place.rough[2];
   const double value = x + y + z - plane.rough_offset;
-  // Products and sums are each rounded by less than 2^-52.
+  // Products and sums are each rounded by less than 2^-52, unless they are too small for that.
   const double error =
       4e-15 * (std::abs(x) + std::abs(y) + std::abs(z) + std::abs(plane.rough_offset)) +
-      2 * place.error * (std::abs(a) + std::abs(b) + std::abs(c));
+      2 * place.error * (std::abs(a) + std::abs(b) + std::abs(c)) + 1e-300;
   if (std::abs(value) > error) return value > 0 ? 1 : -1;
   return static_cast<int>(CGAL::sign(plane.value(place.exact)));
 }

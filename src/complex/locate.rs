@@ -7,6 +7,9 @@ use glam::DVec3;
 use super::Complex;
 use crate::plane::{Bounds, Plane};
 
+/// Below this products of doubles are not to be trusted.
+const TINY: f64 = 1e-250;
+
 /// Finds the cells of points in a part of the box, each from the one found before.
 #[derive(Debug, Clone)]
 pub struct Locator<'a> {
@@ -79,17 +82,24 @@ pub(super) fn walk(complex: &Complex, start: u32, point: DVec3) -> u32 {
 fn side(plane: &Plane, point: DVec3) -> i8 {
     let products = plane.normal * point;
     let value = products.x + products.y + products.z - plane.offset;
-    // Products and sums are each rounded by less than 2^-52.
+    // Products and sums are each rounded by less than 2^-52, unless they are too small for that.
     let size = products.abs().element_sum() + plane.offset.abs();
-    let value = if value.abs() > 4e-15 * size { value } else { exact_value(plane, point) };
+    let is_certain = value.abs() > 4e-15 * size + TINY;
+    let value = if is_certain { value } else { exact_value(&enlarged(plane, size), point) };
     let along = || plane.normal.to_array().into_iter().find(|&part| part != 0.0).unwrap_or(1.0);
     let value = if value == 0.0 { along() } else { value };
     if value > 0.0 { 1 } else { -1 }
 }
 
+/// A plane whose products with points do not underflow: where their size is near to that, all
+/// numbers are multiplied by a power of two.
+fn enlarged(plane: &Plane, size: f64) -> Plane {
+    let factor = if size < TINY { 2.0_f64.powi(600) } else { 1.0 };
+    Plane { normal: factor * plane.normal, offset: factor * plane.offset }
+}
+
 /// A number with the sign of n · x − o: the last part of its sum as an expansion, in which
-/// rounding errors are parts of their own (Shewchuk 1997). Products above 1e-280 have no
-/// error that a double cannot hold.
+/// rounding errors are parts of their own (Shewchuk 1997).
 fn exact_value(plane: &Plane, point: DVec3) -> f64 {
     let mut sum = vec![-plane.offset];
     for axis in 0..3 {

@@ -96,3 +96,22 @@ fn a_locator_says_the_same_as_the_complex() {
     }
     assert!(uncut > 0);
 }
+
+#[test]
+fn sides_are_exact_however_small_the_numbers() {
+    for scale in [1.0, 1e-90, 1e-160, 1e120] {
+        let bounds = Bounds { min: DVec3::splat(-scale), max: DVec3::splat(scale) };
+        // In front of it x is larger than y.
+        let diagonal = Plane { normal: scale * DVec3::new(1.0, -1.0, 0.0), offset: 0.0 };
+        let complex = arrange_planes(&[diagonal], bounds);
+        let third = scale / 3.0;
+        let next = f64::from_bits(third.to_bits() + 1);
+        // A point on the plane counts as moved along x.
+        for (x, y, is_in_front) in [(next, third, true), (third, third, true), (third, next, false)]
+        {
+            let cell = complex.locate(DVec3::new(x, y, 0.1 * scale));
+            let facet = facets_on(&complex, 0)[0];
+            assert_eq!(facet.cells[0] == Some(cell), is_in_front, "{scale}: {x} and {y}");
+        }
+    }
+}
