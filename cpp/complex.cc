@@ -157,6 +157,7 @@ void ExactComplex::begin() { complex_->begin(); }
 void ExactComplex::commit() { complex_->commit(); }
 void ExactComplex::rollback() { complex_->rollback(); }
 void ExactComplex::check() const { complex_->check(); }
+void ExactComplex::check_places() const { complex_->check_places(); }
 
 Parts ExactComplex::parts() const {
   Collector collector(*complex_);

@@ -27,6 +27,7 @@ class ExactComplex {
   void commit();
   void rollback();
   void check() const;
+  void check_places() const;
   Parts parts() const;
   Parts changes() const;
 

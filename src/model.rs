@@ -1,7 +1,7 @@
 //! The model: sections and everything derived from them.
 //!
 //! Sections are ground state; complex, samples and mesh follow from them.
-//! Only [`Model::apply`] changes a model, all or nothing.
+//! Only [`Model::apply`] and [`Model::undo`] change a model, all or nothing.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, PoisonError};
@@ -53,9 +53,9 @@ pub struct Options {
     pub method: Method,
     /// How fine the grid is.
     pub resolution: Resolution,
-    /// The box that is filled. Without one it follows from the sections, anew with every
-    /// change; with one the mean-value field is evaluated again only where a change concerns
-    /// it.
+    /// The box that is filled; no contour may leave it. Without one it follows from the
+    /// sections, anew with every change. As long as it stays the same the mean-value field is
+    /// evaluated again only where a change concerns it.
     pub bounds: Option<Bounds>,
 }
 
@@ -317,16 +317,15 @@ impl Ground<'_> {
             Ok((sampling.kept, is_known, field.name()))
         })?;
         let complex = complex.clone();
-        let samples = kept.samples.clone();
-        living.keep(is_known.then_some(kept));
         let mut samples = stages.run("smoothing", |counts| {
             let (samples, effort, specks) =
-                smoothed(samples, sections, *bounds, method.smooth, progress)?;
+                smoothed(&kept.samples, sections, *bounds, method.smooth, progress)?;
             counts.insert("unknowns".into(), effort.unknowns);
             counts.insert("updates".into(), effort.updates);
             counts.insert("specks".into(), specks);
             Ok(samples)
         })?;
+        living.keep(is_known.then_some(kept));
         self.cut(&mut samples, &capping, stages, progress)?;
         let mesh = mesh(&samples, &method.mesher, stages, progress)?;
         Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None })

@@ -56,7 +56,7 @@ fn reconstructs(name: &str, voxels: u32) {
     ));
     sampling.kept.samples.sanity_check().unwrap();
     clock.lap("checking");
-    let (samples, ..) = smoothed(sampling.kept.samples, list, bounds, 1.0, &Silent).unwrap();
+    let (samples, ..) = smoothed(&sampling.kept.samples, list, bounds, 1.0, &Silent).unwrap();
     clock.lap("smoothing");
     samples.sanity_check().unwrap();
     clock.lap("checking");

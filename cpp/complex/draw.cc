@@ -3,28 +3,16 @@
 #include <map>
 #include <optional>
 #include <queue>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
 
+#include "transect/cpp/above.h"
 #include "transect/cpp/complex/complex.h"
 
 namespace transect::complex {
 namespace {
-
-// An edge as seen on its plane, from left to right.
-struct Bar {
-  Point2 low, high;
-  Label below;
-};
-
-// Whether bar a is below bar b just right of a place that both span.
-bool is_below(const Bar& a, const Bar& b) {
-  if (CGAL::compare_x(a.low, b.low) == CGAL::SMALLER) return !is_below(b, a);
-  const auto turn = CGAL::orientation(b.low, b.high, a.low);
-  if (turn != CGAL::COLLINEAR) return turn == CGAL::RIGHT_TURN;
-  return CGAL::orientation(b.low, b.high, a.high) == CGAL::RIGHT_TURN;
-}
 
 // A direction in which a piece leaves a place.
 struct Leaving {
@@ -234,7 +222,7 @@ class Artist {
       const auto corners = complex_.facets_[facet].corners;
       for (std::size_t i = 0; i < corners.size(); ++i) {
         for (Id next : beside[std::minmax(corners[i], corners[(i + 1) % corners.size()])]) {
-          if (is_labelled_.count(next) != 0) continue;
+          if (labelled_.count(next) != 0) continue;
           pass(facet, corners[i], next);
           open.push(next);
         }
@@ -291,7 +279,7 @@ class Artist {
     Border border = complex_.places_along(complex_.facets_[id]);
     complex_.walk(complex_.facets_[id], border, place, label);
     complex_.facets_.edit(id).label = border.labels.front();
-    is_labelled_.insert({id, true});
+    labelled_.insert(id);
   }
 
   // To the facet beyond the side that begins in a corner.
@@ -323,31 +311,23 @@ class Artist {
     }
   }
 
-  // The label at a point, unless it is on an edge: the first edge on the way up says which
-  // label is below it. Edges count with their left end and without their right one.
+  // The label at a point, unless it is on an edge.
   std::optional<Label> label_at(const Point& point) const {
-    const Point2 start = plane().seen(point);
-    Label label = section().background;
-    std::optional<Bar> nearest;
-    for (const Edge& edge : section().edges) {
-      const auto end = [&](Id vertex) {
-        return plane().seen(complex_.places_[section().vertices[vertex]].exact);
-      };
-      const Point2 a = end(edge.start), b = end(edge.end);
-      if (CGAL::collinear(a, start, b) && CGAL::collinear_are_ordered_along_line(a, start, b)) {
+    const Point2 seen = plane().seen(point);
+    Above above(seen, section().background);
+    for (const auto& [start, end, left, right] : section().edges) {
+      const Point2 from = seen_vertex(start), to = seen_vertex(end);
+      if (CGAL::collinear(from, seen, to) &&
+          CGAL::collinear_are_ordered_along_line(from, seen, to)) {
         return std::nullopt;
       }
-      const auto order = CGAL::compare_x(a, b);
-      if (order == CGAL::EQUAL) continue;
-      const Bar bar = order == CGAL::SMALLER ? Bar{a, b, edge.right} : Bar{b, a, edge.left};
-      if (CGAL::compare_x(bar.low, start) == CGAL::LARGER) continue;
-      if (CGAL::compare_x(bar.high, start) != CGAL::LARGER) continue;
-      if (CGAL::orientation(bar.low, bar.high, start) != CGAL::RIGHT_TURN) continue;
-      if (nearest && !is_below(bar, *nearest)) continue;
-      nearest = bar;
-      label = bar.below;
+      above.pass(from, to, left, right);
     }
-    return label;
+    return above.label();
+  }
+
+  Point2 seen_vertex(Id vertex) const {
+    return plane().seen(complex_.places_[section().vertices[vertex]].exact);
   }
 
   Complex& complex_;
@@ -356,7 +336,7 @@ class Artist {
   std::vector<Id> facets_;
   std::unordered_map<std::string, Id> names_;
   std::vector<Sides> sides_;  // of the vertices
-  std::map<Id, bool> is_labelled_;
+  std::set<Id> labelled_;
 };
 
 void Complex::draw(Id plane, const std::vector<double>& vertices, std::vector<Edge> edges,

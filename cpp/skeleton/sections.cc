@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "transect/cpp/above.h"
+
 namespace transect::skeleton {
 namespace {
 
@@ -91,51 +93,19 @@ void cut_pieces(Scene& scene) {
   }
 }
 
-namespace {
-
-using Point2 = Kernel::Point_2;
-
-// A piece as seen on its plane, from left to right.
-struct Bar {
-  Point2 low, high;
-  Label below;
-};
-
-// Whether bar a is below bar b just right of a place that both span.
-bool is_below(const Bar& a, const Bar& b) {
-  if (CGAL::compare_x(a.low, b.low) == CGAL::SMALLER) return !is_below(b, a);
-  const auto turn = CGAL::orientation(b.low, b.high, a.low);
-  if (turn != CGAL::COLLINEAR) return turn == CGAL::RIGHT_TURN;
-  return CGAL::orientation(b.low, b.high, a.high) == CGAL::RIGHT_TURN;
-}
-
-}  // namespace
-
-// The first piece on the way up says which label is below it. Pieces count with
-// their left end and without their right one.
 Label label_at(const Scene& scene, Index section, const Point& point) {
   const View view(scene.planes[section].normal);
-  const Point2 start = view(point);
+  const auto start = view(point);
   const CGAL::Bbox_2 box = start.bbox();
-  Label label = scene.sections[section].background;
-  std::vector<Bar> nearest;  // none or one
+  Above above(start, scene.sections[section].background);
   for (const Piece& piece : scene.sections[section].pieces) {
     const Point &from = scene.points[piece.from], &to = scene.points[piece.to];
     const CGAL::Bbox_3 ends = from.bbox() + to.bbox();
     if (ends.max(view.first) < box.xmin() || ends.min(view.first) > box.xmax()) continue;
     if (ends.max(view.second) < box.ymin()) continue;
-    const Point2 a = view(from), b = view(to);
-    const auto order = CGAL::compare_x(a, b);
-    if (order == CGAL::EQUAL) continue;
-    const Bar bar = order == CGAL::SMALLER ? Bar{a, b, piece.right} : Bar{b, a, piece.left};
-    if (CGAL::compare_x(bar.low, start) == CGAL::LARGER) continue;
-    if (CGAL::compare_x(bar.high, start) != CGAL::LARGER) continue;
-    if (CGAL::orientation(bar.low, bar.high, start) != CGAL::RIGHT_TURN) continue;
-    if (!nearest.empty() && !is_below(bar, nearest[0])) continue;
-    nearest.assign(1, bar);
-    label = bar.below;
+    above.pass(view(from), view(to), piece.left, piece.right);
   }
-  return label;
+  return above.label();
 }
 
 }  // namespace transect::skeleton

@@ -198,6 +198,15 @@ impl Editor {
     }
 }
 
+#[cfg(test)]
+impl Editor {
+    /// All that must hold, and that every place is on its planes, computed exactly.
+    pub(super) fn assert_sane(&self) {
+        assert_eq!(self.sanity_check(), Ok(()));
+        self.exact.check_places().expect("places on their planes");
+    }
+}
+
 impl Complex {
     /// Takes over what changed.
     fn take(&mut self, parts: Parts) -> Touched {

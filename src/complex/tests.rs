@@ -62,7 +62,7 @@ fn arrange(sections: &[Section], bounds: Bounds) -> Complex {
         editor.add(section).unwrap();
     }
     editor.commit().unwrap();
-    assert_eq!(editor.sanity_check(), Ok(()));
+    editor.assert_sane();
     editor.into_complex()
 }
 

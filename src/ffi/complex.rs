@@ -78,6 +78,9 @@ mod bridge {
 
         /// Fails when something does not hold that must.
         fn check(self: &ExactComplex) -> Result<()>;
+        /// Fails when a corner or an end of something drawn is not on all planes that it is
+        /// said to be on. Each is computed exactly, which takes a while.
+        fn check_places(self: &ExactComplex) -> Result<()>;
         /// All facets and cells.
         fn parts(self: &ExactComplex) -> Result<Parts>;
         /// Those that changed since the beginning.

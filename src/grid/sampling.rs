@@ -237,12 +237,14 @@ impl Sampler<'_> {
             .par_iter()
             .flat_map_iter(|&at| leaf_cells(self.cells, &self.lattice, at))
             .collect();
-        for (&at, cells) in leaves.iter().zip(cells.chunks(LEAF_NODES)) {
-            let mut cells = cells.to_vec();
-            cells.sort_unstable();
-            cells.dedup();
-            state.cells.insert(at, cells);
-        }
+        state.cells.par_extend(leaves.par_iter().copied().zip(cells.par_chunks(LEAF_NODES).map(
+            |cells| {
+                let mut cells = cells.to_vec();
+                cells.sort_unstable();
+                cells.dedup();
+                cells
+            },
+        )));
         let position = |node: usize| {
             let (at, offset) = (leaves[node / LEAF_NODES], node_offset(node % LEAF_NODES));
             let node = std::array::from_fn(|axis| at[axis] * SIDE + offset[axis] as i32);

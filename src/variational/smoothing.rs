@@ -47,21 +47,21 @@ const SPACING_OF_MEDIAN: f64 = 4.0;
 /// # Errors
 /// When the surface has no area, or a backend fails.
 pub fn smoothed(
-    samples: Samples,
+    samples: &Samples,
     sections: &[Section],
     bounds: Bounds,
     strength: f64,
     progress: &dyn Progress,
 ) -> Result<(Samples, Effort, u64)> {
     if strength == 0.0 {
-        return Ok((samples, Effort::default(), 0));
+        return Ok((samples.clone(), Effort::default(), 0));
     }
-    let mesh = dual(&samples, &Silent)?;
+    let mesh = dual(samples, &Silent)?;
     let length = strength * typical_spacing(&mesh, sections);
     if length == 0.0 {
-        return Ok((samples, Effort::default(), 0));
+        return Ok((samples.clone(), Effort::default(), 0));
     }
-    smoothed_mesh(&samples, &mesh, sections, bounds, length, progress)
+    smoothed_mesh(samples, &mesh, sections, bounds, length, progress)
 }
 
 /// The samples of a smoothed mesh, `length` being ℓ in world units.

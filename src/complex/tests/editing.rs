@@ -85,14 +85,14 @@ fn sections_come_in_any_order_and_go_without_a_trace() {
             let gone = kept.remove(random.next() as usize % kept.len());
             editor.remove(planes[&gone.name]).unwrap();
             editor.commit().unwrap();
-            assert_eq!(editor.sanity_check(), Ok(()));
+            editor.assert_sane();
             let expected = described(built(&kept).0.complex());
             assert_eq!(described(editor.complex()), expected, "round {round}");
             // And back, every other time.
             if random.next().is_multiple_of(2) {
                 planes.insert(gone.name.clone(), editor.add(gone).unwrap());
                 editor.commit().unwrap();
-                assert_eq!(editor.sanity_check(), Ok(()));
+                editor.assert_sane();
                 editor.remove(planes[&gone.name]).unwrap();
                 editor.commit().unwrap();
                 assert_eq!(described(editor.complex()), expected, "round {round}");
@@ -112,7 +112,7 @@ fn a_change_that_is_taken_back_leaves_nothing() {
         editor.add(&sections[0]).unwrap();
         editor.remove(planes[0]).unwrap();
         editor.rollback();
-        assert_eq!(editor.sanity_check(), Ok(()));
+        editor.assert_sane();
         assert_eq!(format!("{:?}", editor.complex()), before);
         // What is changed now concerns what it would have concerned without that.
         let touched = |editor: &mut Editor| {
@@ -143,12 +143,12 @@ fn a_section_that_contradicts_itself_is_refused_and_leaves_nothing() {
     editor.rollback();
     editor.add(&across[0]).unwrap();
     editor.commit().unwrap();
-    assert_eq!(editor.sanity_check(), Ok(()));
+    editor.assert_sane();
     assert_eq!(described(editor.complex()), described(built(&[&across[0]]).0.complex()));
     editor.add(&across[1]).unwrap();
     editor.add(&wrong).unwrap_err();
     editor.rollback();
-    assert_eq!(editor.sanity_check(), Ok(()));
+    editor.assert_sane();
     assert_eq!(described(editor.complex()), described(built(&[&across[0]]).0.complex()));
 }
 
@@ -161,7 +161,7 @@ fn a_section_is_drawn_anew_in_its_place() {
     let (mut editor, planes) = built(&[&first, &across]);
     editor.replace(planes[0], &other).unwrap();
     let touched = editor.commit().unwrap();
-    assert_eq!(editor.sanity_check(), Ok(()));
+    editor.assert_sane();
     assert_eq!(described(editor.complex()), described(built(&[&other, &across]).0.complex()));
     // No cell came or went: two facets are drawn anew, and all four cells see one of them.
     assert_eq!((touched.cells.len(), touched.facets.len()), (4, 2));
