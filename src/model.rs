@@ -29,7 +29,7 @@ use crate::section::{Rules, Section, Sections};
 use crate::skeleton::{Details, skeleton};
 use crate::stage::Stages;
 use crate::variational::smoothing::smoothed;
-use crate::variational::variational;
+use crate::variational::{Kept, variational};
 
 /// How near to a plane the field is told from its limit, in voxels: nearer
 /// points are taken to be this far away. On the plane the indicator is a
@@ -54,8 +54,8 @@ pub struct Options {
     /// How fine the grid is.
     pub resolution: Resolution,
     /// The box that is filled; no contour may leave it. Without one it follows from the
-    /// sections, anew with every change. As long as it stays the same the mean-value field is
-    /// evaluated again only where a change concerns it.
+    /// sections, anew with every change. In a given box the mean-value field is evaluated, and
+    /// the variational field solved for, only where a change concerns it.
     pub bounds: Option<Bounds>,
 }
 
@@ -75,9 +75,17 @@ pub struct Model {
     /// Those given, of every plane one.
     sections: Sections,
     derived: Option<Derived>,
-    /// What the mean-value field keeps for the next change; behind a lock, though nobody
-    /// waits for it, since threads may share a model but not this.
-    living: Mutex<Option<Living>>,
+    /// Behind a lock, though nobody waits for it: threads may share a model but not this.
+    lasting: Mutex<Lasting>,
+}
+
+/// What a method keeps for the next change.
+#[derive(Debug, Default)]
+struct Lasting {
+    /// The cells and samples of the mean-value field.
+    cells: Option<Living>,
+    /// The variational field.
+    fields: Option<Kept>,
 }
 
 /// What follows from the sections.
@@ -98,8 +106,8 @@ pub struct Derived {
 impl Model {
     /// A model without sections.
     pub fn new(options: Options) -> Self {
-        let (given, past, sections, derived, living) = Default::default();
-        Self { options, given, past, sections, derived, living }
+        let (given, past, sections, derived, lasting) = Default::default();
+        Self { options, given, past, sections, derived, lasting }
     }
 
     /// Changes the sections and derives everything anew; the model stays as it
@@ -155,8 +163,8 @@ impl Model {
         progress: &dyn Progress,
     ) -> Result<()> {
         let sections = given.merged(rules)?;
-        let living = self.living.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let derive = |sections| derive(sections, &self.options, living, stages, progress);
+        let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let derive = |sections| derive(sections, &self.options, lasting, stages, progress);
         self.derived = sections.as_ref().map(derive).transpose()?;
         self.sections = sections.unwrap_or_default();
         self.given = given;
@@ -218,13 +226,15 @@ struct Ground<'a> {
     sections: &'a [Section],
     bounds: Bounds,
     lattice: Lattice,
+    /// Whether the box stays, and so what was derived in it is worth keeping.
+    keeps: bool,
 }
 
 /// The whole way from sections to the mesh.
 fn derive(
     sections: &Sections,
     options: &Options,
-    living: &mut Option<Living>,
+    lasting: &mut Lasting,
     stages: &mut Stages,
     progress: &dyn Progress,
 ) -> Result<Derived> {
@@ -234,10 +244,11 @@ fn derive(
     };
     let lattice = Lattice::new(bounds, options.resolution)?;
     require_memory(&lattice, &sections.sections, sections.materials.len())?;
-    let ground = Ground { sections: &sections.sections, bounds, lattice };
+    let keeps = options.bounds.is_some();
+    let ground = Ground { sections: &sections.sections, bounds, lattice, keeps };
     match &options.method {
-        Method::Variational(method) => ground.solve(method, stages, progress),
-        Method::MeanValue(method) => ground.evaluate(method, living, stages, progress),
+        Method::Variational(method) => ground.solve(method, &mut lasting.fields, stages, progress),
+        Method::MeanValue(method) => ground.evaluate(method, &mut lasting.cells, stages, progress),
         Method::Skeleton(method) => ground.build(method, stages, progress),
     }
 }
@@ -247,13 +258,21 @@ impl Ground<'_> {
     fn solve(
         &self,
         method: &Variational,
+        fields: &mut Option<Kept>,
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
-        let Self { sections, bounds, lattice } = self;
+        let Self { sections, bounds, lattice, keeps } = self;
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let (mut samples, device) = stages.run("field", |counts| {
-            let solved = variational(&capping.sections, *bounds, lattice, method, progress)?;
+            let solved = variational(
+                &capping.sections,
+                *bounds,
+                lattice,
+                method,
+                (*keeps, fields),
+                progress,
+            )?;
             counts.insert("leaves".into(), solved.samples.valued.len() as u64);
             counts.insert("unknowns".into(), solved.effort.unknowns);
             counts.insert("updates".into(), solved.effort.updates);
@@ -273,7 +292,7 @@ impl Ground<'_> {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
-        let Self { sections, bounds, lattice } = self;
+        let Self { sections, bounds, lattice, .. } = self;
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let sections = capping.sections.as_ref();
         let kept = living.take().filter(|living| living.is_in(*bounds, method.border));
@@ -361,7 +380,7 @@ impl Ground<'_> {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
-        let Self { sections, bounds, lattice } = self;
+        let Self { sections, bounds, lattice, .. } = self;
         let mut made = stages.run("skeleton", |counts| {
             let made = skeleton(sections, *bounds, &method.exactness, progress)?;
             counts.insert("cells".into(), made.details.cells.into());

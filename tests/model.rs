@@ -6,6 +6,7 @@ use transect::error::Result;
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
+use transect::mesh::nearest::Nearest;
 use transect::method::{MeanValue, Method, Skeleton};
 use transect::model::{MOST_UNDONE, Model, Options};
 use transect::plane::{Bounds, Plane};
@@ -188,17 +189,22 @@ fn only_the_last_changes_are_remembered() {
     assert_eq!(names(&living).len(), 5);
 }
 
+const BOX: Bounds = Bounds { min: DVec3::splat(-1.3), max: DVec3::splat(1.3) };
+
+/// A model in a box of its own.
+fn boxed(method: Method, voxels: u32) -> Model {
+    Model::new(Options { method, resolution: Resolution::Voxels(voxels), bounds: Some(BOX) })
+}
+
 /// A model of the mean-value field in a box of its own.
-fn boxed(bounds: Bounds) -> Model {
-    let method = Method::MeanValue(MeanValue { smooth: 0.0, ..MeanValue::default() });
-    Model::new(Options { method, resolution: Resolution::Voxels(40), bounds: Some(bounds) })
+fn evaluated() -> Model {
+    boxed(Method::MeanValue(MeanValue { smooth: 0.0, ..MeanValue::default() }), 40)
 }
 
 #[test]
 fn in_a_box_only_what_a_section_touches_is_evaluated_again() {
-    let bounds = Bounds { min: DVec3::splat(-1.3), max: DVec3::splat(1.3) };
     let all = squares();
-    let (mut living, mut once) = (boxed(bounds), boxed(bounds));
+    let (mut living, mut once) = (evaluated(), evaluated());
     let (mut stages, mut ids) = (Stages::default(), Vec::new());
     for section in &all {
         let change = Change::Add(sections(std::slice::from_ref(section)));
@@ -218,7 +224,7 @@ fn in_a_box_only_what_a_section_touches_is_evaluated_again() {
     for &id in &ids {
         apply(&mut living, Change::Remove(id)).unwrap();
         let rest: Vec<Section> = living.given().map(|(_, section)| section.clone()).collect();
-        let mut without = boxed(bounds);
+        let mut without = evaluated();
         apply(&mut without, Change::Add(sections(&rest))).unwrap();
         same_samples(&living, &without);
         assert!(undo(&mut living));
@@ -229,7 +235,7 @@ fn in_a_box_only_what_a_section_touches_is_evaluated_again() {
     apply(&mut living, Change::Add(sections(&[wrong]))).unwrap_err();
     apply(&mut living, Change::Add(sections(&[square("far", 0, 0.7, 1.4, 1)]))).unwrap_err();
     assert!(undo(&mut living));
-    let mut fewer = boxed(bounds);
+    let mut fewer = evaluated();
     apply(&mut fewer, Change::Add(sections(&all[..4]))).unwrap();
     same_samples(&living, &fewer);
 }
@@ -245,6 +251,65 @@ fn same_samples(one: &Model, other: &Model) {
             assert!(pairs.into_iter().all(|(one, other)| (one - other).abs() < 1e-6));
         }
     }
+}
+
+#[test]
+fn in_a_box_the_variational_field_is_solved_for_where_a_section_concerns_it() {
+    // The last one is parallel to the one before, and smaller.
+    let mut all = squares();
+    all.extend([square("near", 2, 0.55, 0.8, 1), square("small", 2, 0.6, 0.5, 1)]);
+    let (mut living, mut once) = (boxed(Method::default(), 72), boxed(Method::default(), 72));
+    let (mut stages, mut ids) = (Stages::default(), Vec::new());
+    for section in &all {
+        let change = Change::Add(sections(std::slice::from_ref(section)));
+        stages = Stages::default();
+        let added = living.apply(change, &Rules::default(), &mut stages, &Silent).unwrap();
+        ids.extend(added);
+    }
+    let mut offline = Stages::default();
+    let change = Change::Add(sections(&all));
+    once.apply(change, &Rules::default(), &mut offline, &Silent).unwrap();
+    assert_alike(&living, &once);
+    let unknowns = |stages: &Stages| stages.count_of("unknowns");
+    assert!(unknowns(&stages) < unknowns(&offline));
+    // The less changes the less is solved for; the coarsest level is always.
+    let [mut less, mut nothing] = [Stages::default(), Stages::default()];
+    for (half, stages) in [(0.49, &mut less), (0.49, &mut nothing)] {
+        let change = Change::Replace(ids[6], square("small", 2, 0.6, half, 1));
+        living.apply(change, &Rules::default(), stages, &Silent).unwrap();
+    }
+    let counts = [&less, &nothing, &offline].map(unknowns);
+    assert!(2 * counts[0] < counts[2] && 20 * counts[1] < counts[2], "{counts:?}");
+    assert!(undo(&mut living) && undo(&mut living));
+    assert_alike(&living, &once);
+
+    for id in [ids[0], ids[4], ids[6]] {
+        apply(&mut living, Change::Remove(id)).unwrap();
+        let rest: Vec<Section> = living.given().map(|(_, section)| section.clone()).collect();
+        let mut without = boxed(Method::default(), 72);
+        apply(&mut without, Change::Add(sections(&rest))).unwrap();
+        assert_alike(&living, &without);
+        assert!(undo(&mut living));
+        assert_alike(&living, &once);
+    }
+    // Nothing that is refused is remembered.
+    let wrong = square("wrong", 0, -0.4, 1.0, 7);
+    apply(&mut living, Change::Add(sections(&[wrong]))).unwrap_err();
+    assert!(undo(&mut living));
+    let mut fewer = boxed(Method::default(), 72);
+    apply(&mut fewer, Change::Add(sections(&all[..6]))).unwrap();
+    assert_alike(&living, &fewer);
+}
+
+/// Whether surfaces differ by no more than a field that has a past may.
+fn assert_alike(one: &Model, other: &Model) {
+    let voxel = one.derived().expect("samples").samples.lattice.voxel;
+    let nearest = Nearest::on_mesh(mesh(other)).unwrap();
+    let mut apart = nearest.distances(&mesh(one).vertices).unwrap();
+    apart.sort_by(f64::total_cmp);
+    let at = |percent: usize| apart[(apart.len() - 1) * percent / 100] / voxel;
+    let found = [95, 99, 100].map(at);
+    assert!(found[0] < 0.02 && found[1] < 0.05 && found[2] < 0.5, "{found:?} voxels");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! The field of one label, from the coarsest level to the finest.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -15,6 +17,7 @@ use crate::section::Section;
 use super::anchor::{Anchor, Original};
 use super::backend::{Backend, Limits};
 use super::cpu::residual;
+use super::kept::{Before, KeptLevel, Making};
 use super::level::{Level, ensure, leaves_between, near_changes, near_points};
 use super::metric::{Direction, Metric};
 use super::outline::Outline;
@@ -59,6 +62,9 @@ pub struct Scene<'a> {
     pub weights: &'a Weights,
     /// What is smoothed, in place of soft values.
     pub original: Option<Original<'a>>,
+    /// Whether fields keep anything, and what those of other sections kept.
+    pub keeps: bool,
+    pub before: Option<Before<'a>>,
     pub backend: &'a dyn Backend,
 }
 
@@ -72,6 +78,8 @@ pub struct LabelField {
     pub band: Vec<[i32; 3]>,
     /// What it took.
     pub effort: Effort,
+    /// What it keeps.
+    pub kept: Vec<KeptLevel>,
 }
 
 /// A field in the making.
@@ -84,6 +92,7 @@ struct Solver<'a> {
     anchor: Option<Anchor<'a>>,
     anchored: Vec<LeafGrid>,
     effort: Effort,
+    kept: Vec<KeptLevel>,
     /// How far the present whole level was from its solution when it began.
     first: Option<f64>,
 }
@@ -106,6 +115,7 @@ impl LabelField {
             anchor,
             anchored: Vec::new(),
             effort: Effort::default(),
+            kept: Vec::new(),
             first: None,
         };
         let mut band = Vec::new();
@@ -115,8 +125,8 @@ impl LabelField {
         for number in scene.space.whole..scene.space.lattices.len() {
             band = solver.add_narrow_level(number)?;
         }
-        let Solver { levels, effort, .. } = solver;
-        Ok(Self { label, levels, band, effort })
+        let Solver { levels, effort, kept, .. } = solver;
+        Ok(Self { label, levels, band, effort, kept })
     }
 
     /// Gives values to leaves of the finest level; those beyond the box, which play no
@@ -139,7 +149,7 @@ impl LabelField {
     }
 }
 
-impl Solver<'_> {
+impl<'a> Solver<'a> {
     /// The next coarse level, on all of the box.
     fn add_whole_level(&mut self, number: usize) -> Result<Vec<[i32; 3]>> {
         let level = Level::new(self.scene.space.lattices[number], self.scene.is_open);
@@ -176,14 +186,62 @@ impl Solver<'_> {
         let all: Vec<[i32; 3]> = self.levels[number].grid.all_places().collect();
         let samples = &self.scene.samples[number];
         let is_soft = self.scene.original.is_none();
-        let targets = is_soft.then(|| self.soft_targets(number, samples));
+        // Where all begins nothing is interpolated.
+        let mut making = self.making(number).filter(|_| number > 0);
+        let leaves = enter(&mut making, all, &mut self.levels[number].grid);
+        let samples = self.samples_near(number, samples, &leaves);
+        let targets = is_soft.then(|| self.soft_targets(number, &samples));
         for _ in 0..PASSES {
-            let pulls = self.pulls(number, samples, targets.as_deref());
+            let pulls = self.pulls(number, &samples, targets.as_deref());
             let limits = Limits { of: self.first, ..WHOLE };
-            let size = self.solve(number, all.clone(), &pulls, limits)?;
+            let size = self.solve(number, leaves.clone(), &pulls, limits)?;
             self.first.get_or_insert(size);
         }
+        self.keep(making);
         Ok(())
+    }
+
+    /// What is to be kept of a level, if anything is.
+    fn making(&self, number: usize) -> Option<Making<'a>> {
+        let new =
+            || Making::new(self.scene.before.as_ref(), self.label, number, &self.levels[number]);
+        self.scene.keeps.then(new)
+    }
+
+    /// Keeps what there is of the last level.
+    fn keep(&mut self, making: Option<Making>) {
+        let level = making.zip(self.levels.last());
+        self.kept.extend(level.map(|(making, level)| making.keep(level)));
+    }
+
+    /// Those samples that bear on some leaves of a level.
+    fn samples_near<'s>(
+        &self,
+        number: usize,
+        samples: &'s [PlaneSample],
+        leaves: &[[i32; 3]],
+    ) -> Cow<'s, [PlaneSample]> {
+        let level = &self.levels[number];
+        if leaves.len() == level.grid.leaves().len() {
+            return Cow::from(samples);
+        }
+        let near = self.leaves_before(number, leaves);
+        let Lattice { origin, voxel, .. } = level.lattice;
+        let is_near = |sample: &&PlaneSample| {
+            near.has(leaf_of(node_below(((sample.at - origin) / voxel).to_array())))
+        };
+        samples.iter().copied().filter(|sample| is_near(&sample)).collect()
+    }
+
+    /// Leaves, and those before them along the axes: the cells between belong to these.
+    fn leaves_before(&self, number: usize, leaves: &[[i32; 3]]) -> LeafSet {
+        let mut near = LeafSet::new(&self.levels[number].grid);
+        for &leaf in leaves {
+            for leaf in leaves_between([leaf.map(|along| along - 1), leaf]) {
+                near.insert(leaf);
+            }
+        }
+        near
     }
 
     /// The next level, near the surface and the contours alone.
@@ -208,6 +266,7 @@ impl Solver<'_> {
             (false, true) => (1, FINEST),
             (false, false) => (1, NARROW),
         };
+        let mut making = self.making(number);
         for _ in 0..passes {
             band = near_changes(&self.levels[number].grid, BAND);
             band.extend(&contours);
@@ -215,12 +274,14 @@ impl Solver<'_> {
             band.dedup();
             band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
             self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
-            let samples = self.samples_in(number, &band);
+            let leaves = enter(&mut making, band.clone(), &mut self.levels[number].grid);
+            let samples = self.samples_in(number, &leaves);
             let is_soft = (is_first || !is_last) && self.anchor.is_none();
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
             let pulls = self.pulls(number, &samples, targets.as_deref());
-            self.solve(number, band.clone(), &pulls, limits)?;
+            self.solve(number, leaves, &pulls, limits)?;
         }
+        self.keep(making);
         Ok(band)
     }
 
@@ -332,13 +393,10 @@ impl Solver<'_> {
             .collect()
     }
 
-    /// The plane samples in a band.
-    fn samples_in(&self, number: usize, band: &[[i32; 3]]) -> Vec<PlaneSample> {
+    /// The plane samples that bear on some leaves.
+    fn samples_in(&self, number: usize, leaves: &[[i32; 3]]) -> Vec<PlaneSample> {
         let Lattice { origin, voxel, .. } = self.levels[number].lattice;
-        let mut inside = LeafSet::new(&self.levels[number].grid);
-        for &leaf in band {
-            inside.insert(leaf);
-        }
+        let inside = self.leaves_before(number, leaves);
         let region = Region::Leaves { leaves: &inside, origin, side: f64::from(SIDE) * voxel };
         plane_samples(self.scene.sections, self.scene.space.bounds, voxel, region)
     }
@@ -416,6 +474,14 @@ impl Solver<'_> {
             own.iter_mut().zip(values).for_each(|(own, by)| *own += by);
         }
         Ok(correction.size)
+    }
+}
+
+/// The leaves that are to be solved for among those that would be.
+fn enter(making: &mut Option<Making>, leaves: Vec<[i32; 3]>, grid: &mut LeafGrid) -> Vec<[i32; 3]> {
+    match making {
+        Some(making) => making.enter(&leaves, grid),
+        None => leaves,
     }
 }
 

@@ -28,6 +28,9 @@ const LEAST: f64 = 0.5;
 /// What is lost in rounding, beside 1.
 const NOTHING: f64 = 1e-9;
 
+/// By so much of a length two metrics may differ and be alike.
+const ALIKE: f64 = 1e-3;
+
 /// Directions of a metric at most.
 pub const DIRECTIONS: usize = 6;
 
@@ -60,6 +63,11 @@ impl Metric {
         let is_stack = fourth.x_axis.x + fourth.y_axis.y + fourth.z_axis.z >= LEAST;
         let share = if is_stack { 1.0 - SQUEEZE } else { 0.0 };
         Self { squeeze: DMat3::IDENTITY - fourth * share }
+    }
+
+    /// Whether another one measures lengths alike, but for [`ALIKE`].
+    pub fn is_near(self, other: Self) -> bool {
+        self.squeeze.abs_diff_eq(other.squeeze, ALIKE)
     }
 
     /// Where a point is in the squeezed space.

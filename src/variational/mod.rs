@@ -44,6 +44,7 @@ mod assembly;
 mod backend;
 mod cpu;
 mod gpu;
+mod kept;
 mod label_field;
 mod level;
 mod metric;
@@ -76,6 +77,8 @@ use crate::section::Section;
 use backend::Backend;
 use cpu::Cpu;
 use gpu::Gpu;
+pub(crate) use kept::Kept;
+use kept::KeptField;
 use label_field::{LabelField, Scene};
 use metric::Metric;
 use plane_samples::{Region, plane_samples};
@@ -140,22 +143,30 @@ pub struct Solved {
     pub device: String,
 }
 
-/// The samples of the variational field.
+/// The samples of the variational field. What is `kept` of the field of other sections
+/// in the same box saves solving for what both have in common; with `keeps` it is what this
+/// one leaves behind afterwards.
 ///
 /// # Errors
-/// [`Error::Device`] when a GPU is asked for and none works.
-pub fn variational(
+/// [`Error::Device`] when a GPU is asked for and none works; then `kept` is as it was.
+pub(crate) fn variational(
     sections: &[Section],
     bounds: Bounds,
     lattice: &Lattice,
     method: &Variational,
+    (keeps, kept): (bool, &mut Option<Kept>),
     progress: &dyn Progress,
 ) -> Result<Solved> {
     let backend = backend(method.device)?;
     let space = Space::around(sections, bounds, method.border, lattice)?;
-    let scene = scene(sections, &space, method, backend.as_ref());
-    let (samples, effort, specks) = solve(&scene, "field", progress)?;
-    Ok(Solved { samples, effort, specks, device: backend.name() })
+    let mut scene = scene(sections, &space, method, backend.as_ref());
+    scene.keeps = keeps;
+    scene.before = (kept.as_ref().filter(|_| keeps))
+        .and_then(|kept| kept.before(sections, &space, scene.metric, scene.is_open));
+    let (solved, fields) = solve(&scene, "field", progress)?;
+    let metric = scene.metric;
+    *kept = keeps.then(|| Kept::new(sections, &space, metric, fields));
+    Ok(solved)
 }
 
 /// Solves for all labels and removes specks; how many, comes last.
@@ -163,10 +174,10 @@ fn solve(
     scene: &Scene,
     stage: &'static str,
     progress: &dyn Progress,
-) -> Result<(Samples, Effort, u64)> {
+) -> Result<(Solved, Vec<KeptField>)> {
     let labels = labels(scene.sections);
     progress.begin(stage, labels.len() as u64);
-    let fields: Vec<LabelField> = labels
+    let mut fields: Vec<LabelField> = labels
         .par_iter()
         .map(|&label| {
             let field = LabelField::new(scene, label)?;
@@ -179,9 +190,14 @@ fn solve(
         effort.unknowns += field.effort.unknowns;
         effort.updates += field.effort.updates;
     }
+    let keep = |LabelField { label, kept, .. }: &mut LabelField| KeptField {
+        label: *label,
+        levels: std::mem::take(kept),
+    };
+    let kept = fields.iter_mut().map(keep).collect();
     let mut samples = assembly::assemble(fields, scene);
     let specks = remove_specks(&mut samples, scene.sections, scene.space.bounds) as u64;
-    Ok((samples, effort, specks))
+    Ok((Solved { samples, effort, specks, device: scene.backend.name() }, kept))
 }
 
 /// What a device stands for.
@@ -217,6 +233,8 @@ fn scene<'a>(
         unit: metric.length() * bounds.size().max_element() / UNIT_VOXELS,
         weights: &method.weights,
         original: None,
+        keeps: false,
+        before: None,
         backend,
     }
 }

@@ -79,7 +79,8 @@ fn smoothed_mesh(
     let original = Original { mesh, open: samples.open, length, finest: samples.lattice.voxel };
     let backend = Cpu::new();
     let scene = Scene { original: Some(original), ..scene(sections, &space, &method, &backend) };
-    solve(&scene, "smoothing", progress)
+    let (solved, _) = solve(&scene, "smoothing", progress)?;
+    Ok((solved.samples, solved.effort, solved.specks))
 }
 
 /// How far sections are apart where the surface is, in world units: by the median

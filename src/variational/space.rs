@@ -92,10 +92,19 @@ impl Space {
         Ok(Self { bounds, wide, lattices, whole: 2, wide_ends: Vec::new(), ends: Vec::new() })
     }
 
+    /// Beyond these nothing is solved for, on the given box and on the wide one.
+    pub fn ends(&self) -> [&[Plane]; 2] {
+        [&self.ends, &self.wide_ends]
+    }
+
     /// Whether nodes of a lattice are beyond an end. So many are asked for that it is a
     /// matter of a product.
     pub fn beyond(&self, lattice: &Lattice) -> impl Fn([i32; 3]) -> bool + use<> {
-        let ends = if self.is_wide(lattice) { &self.wide_ends } else { &self.ends };
+        Self::beyond_ends(self.ends()[usize::from(self.is_wide(lattice))], lattice)
+    }
+
+    /// The same for ends of other sections.
+    pub fn beyond_ends(ends: &[Plane], lattice: &Lattice) -> impl Fn([i32; 3]) -> bool + use<> {
         let in_nodes = |end: &Plane| {
             let height = -end.distance(lattice.origin) / lattice.voxel;
             (end.unit_normal(), height + ROUNDING)
