@@ -28,7 +28,7 @@ use crate::progress::Progress;
 use crate::section::{Rules, Section, Sections};
 use crate::skeleton::{Details, skeleton};
 use crate::stage::Stages;
-use crate::variational::smoothing::smoothed;
+use crate::variational::smoothing::{KeptSmoothing, smoothed};
 use crate::variational::{Kept, variational};
 
 /// How near to a plane the field is told from its limit, in voxels: nearer
@@ -86,6 +86,8 @@ struct Lasting {
     cells: Option<Living>,
     /// The variational field.
     fields: Option<Kept>,
+    /// The fields that smooth the mean-value field.
+    smoothing: Option<KeptSmoothing>,
 }
 
 /// What follows from the sections.
@@ -248,7 +250,7 @@ fn derive(
     let ground = Ground { sections: &sections.sections, bounds, lattice, keeps };
     match &options.method {
         Method::Variational(method) => ground.solve(method, &mut lasting.fields, stages, progress),
-        Method::MeanValue(method) => ground.evaluate(method, &mut lasting.cells, stages, progress),
+        Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
         Method::Skeleton(method) => ground.build(method, stages, progress),
     }
 }
@@ -288,15 +290,15 @@ impl Ground<'_> {
     fn evaluate(
         &self,
         method: &MeanValue,
-        living: &mut Option<Living>,
+        lasting: &mut Lasting,
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
         let Self { sections, bounds, lattice, .. } = self;
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let sections = capping.sections.as_ref();
-        let kept = living.take().filter(|living| living.is_in(*bounds, method.border));
-        let living = living.insert(match kept {
+        let kept = lasting.cells.take().filter(|living| living.is_in(*bounds, method.border));
+        let living = lasting.cells.insert(match kept {
             Some(living) => living,
             None => Living::new(*bounds, method.border)?,
         });
@@ -337,12 +339,13 @@ impl Ground<'_> {
         })?;
         let complex = complex.clone();
         let mut samples = stages.run("smoothing", |counts| {
-            let (samples, effort, specks) =
-                smoothed(&kept.samples, sections, *bounds, method.smooth, progress)?;
-            counts.insert("unknowns".into(), effort.unknowns);
-            counts.insert("updates".into(), effort.updates);
-            counts.insert("specks".into(), specks);
-            Ok(samples)
+            let smoothing = (self.keeps, &mut lasting.smoothing);
+            let solved =
+                smoothed(&kept.samples, sections, *bounds, method.smooth, smoothing, progress)?;
+            counts.insert("unknowns".into(), solved.effort.unknowns);
+            counts.insert("updates".into(), solved.effort.updates);
+            counts.insert("specks".into(), solved.specks);
+            Ok(solved.samples)
         })?;
         living.keep(is_known.then_some(kept));
         self.cut(&mut samples, &capping, stages, progress)?;

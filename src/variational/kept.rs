@@ -19,7 +19,7 @@ use crate::plane::Plane;
 use crate::section::Section;
 
 use super::Space;
-use super::label_field::node_of;
+use super::label_field::{LabelField, Scene, node_of};
 use super::level::{Level, leaves_between, near_points};
 use super::metric::Metric;
 use super::plane_samples::{Region, plane_samples};
@@ -38,16 +38,15 @@ pub struct Kept {
     metric: Metric,
     /// Where solids end, on the given box and on the wide one.
     ends: [Vec<Plane>; 2],
-    pub(super) fields: Vec<KeptField>,
+    fields: Vec<KeptField>,
 }
 
 /// What the field of one label keeps.
 #[derive(Debug)]
-pub struct KeptField {
-    /// The label.
-    pub label: Label,
-    /// The levels that were solved for.
-    pub levels: Vec<KeptLevel>,
+struct KeptField {
+    label: Label,
+    /// Those that were solved for.
+    levels: Vec<KeptLevel>,
 }
 
 /// The leaves of one level that were solved for.
@@ -71,13 +70,8 @@ pub struct Before<'a> {
 
 impl Kept {
     /// What holds for other sections; `None` where lengths are measured in another way.
-    pub fn before(
-        &self,
-        sections: &[Section],
-        space: &Space,
-        metric: Metric,
-        is_open: bool,
-    ) -> Option<Before<'_>> {
+    pub fn before(&self, scene: &Scene) -> Option<Before<'_>> {
+        let &Scene { sections, space, metric, is_open, .. } = scene;
         if !self.metric.is_near(metric) {
             return None;
         }
@@ -91,14 +85,18 @@ impl Kept {
         Some(Before { kept: self, concerned, tolerance: TOLERANCE * finest })
     }
 
-    /// What is to be kept of fields that were made from sections.
-    pub fn new(
-        sections: &[Section],
-        space: &Space,
-        metric: Metric,
-        fields: Vec<KeptField>,
-    ) -> Self {
-        Self { sections: sections.to_vec(), metric, ends: space.ends().map(<[_]>::to_vec), fields }
+    /// What is to be kept of fields, which give it away.
+    pub fn new(scene: &Scene, fields: &mut [LabelField]) -> Self {
+        let keep = |field: &mut LabelField| KeptField {
+            label: field.label,
+            levels: std::mem::take(&mut field.kept),
+        };
+        Self {
+            sections: scene.sections.to_vec(),
+            metric: scene.metric,
+            ends: scene.space.ends().map(<[_]>::to_vec),
+            fields: fields.iter_mut().map(keep).collect(),
+        }
     }
 
     /// The leaves of a level that changed sections say something about, and those that solids

@@ -62,9 +62,8 @@ pub struct Scene<'a> {
     pub weights: &'a Weights,
     /// What is smoothed, in place of soft values.
     pub original: Option<Original<'a>>,
-    /// Whether fields keep anything, and what those of other sections kept.
+    /// Whether fields keep anything for other sections.
     pub keeps: bool,
-    pub before: Option<Before<'a>>,
     pub backend: &'a dyn Backend,
 }
 
@@ -85,10 +84,13 @@ pub struct LabelField {
 /// A field in the making.
 struct Solver<'a> {
     scene: &'a Scene<'a>,
+    before: Option<&'a Before<'a>>,
     label: Label,
     outline: Outline,
     levels: Vec<Level>,
-    /// What it is drawn to, and the signed distances from it on every level.
+    /// What it is drawn to, and the signed distances from it on the levels up to the first one
+    /// that is solved. On finer ones it would draw waves that are much longer than what is
+    /// still to be mended there.
     anchor: Option<Anchor<'a>>,
     anchored: Vec<LeafGrid>,
     effort: Effort,
@@ -98,17 +100,18 @@ struct Solver<'a> {
 }
 
 impl LabelField {
-    /// Solves for a label.
+    /// Solves for a label, but for what holds from before.
     ///
     /// # Errors
     /// When the backend fails.
-    pub fn new(scene: &Scene, label: Label) -> Result<Self> {
+    pub fn new(scene: &Scene, before: Option<&Before>, label: Label) -> Result<Self> {
         let outline = Outline::new(scene.sections, label, scene.metric);
         let finest = scene.space.lattices[scene.space.lattices.len() - 1].voxel;
         let anchor =
             scene.original.as_ref().and_then(|original| Anchor::new(original, label, finest));
         let mut solver = Solver {
             scene,
+            before,
             label,
             outline,
             levels: Vec::new(),
@@ -165,7 +168,8 @@ impl<'a> Solver<'a> {
 
     /// Adds a level without values.
     fn push(&mut self, level: Level) -> Result<()> {
-        if let Some(anchor) = &self.anchor {
+        let anchor = self.anchor.as_ref().filter(|_| self.starts_at_anchor(self.levels.len()));
+        if let Some(anchor) = anchor {
             self.anchored.push(match self.levels.is_empty() {
                 true => anchor.everywhere(&level, self.scene.is_open)?,
                 false => anchor.band(&level),
@@ -203,8 +207,7 @@ impl<'a> Solver<'a> {
 
     /// What is to be kept of a level, if anything is.
     fn making(&self, number: usize) -> Option<Making<'a>> {
-        let new =
-            || Making::new(self.scene.before.as_ref(), self.label, number, &self.levels[number]);
+        let new = || Making::new(self.before, self.label, number, &self.levels[number]);
         self.scene.keeps.then(new)
     }
 
@@ -461,8 +464,8 @@ impl<'a> Solver<'a> {
         leaves.par_sort_by_cached_key(|&leaf| along_curve(leaf));
         let domain = self.scene.is_open.then_some(level.domain);
         let mut system = System::new(leaves, is_free, domain, pulls, &self.scene.directions);
-        if let Some(anchor) = &self.anchor {
-            let (distances, is_open) = (&self.anchored[number], self.scene.is_open);
+        if let (Some(anchor), Some(distances)) = (&self.anchor, self.anchored.get(number)) {
+            let is_open = self.scene.is_open;
             system.anchors = Some(anchor.anchors(level, distances, &system.leaves, is_open));
         }
         let residual = residual(&system, &level.grid);

@@ -78,7 +78,6 @@ use backend::Backend;
 use cpu::Cpu;
 use gpu::Gpu;
 pub(crate) use kept::Kept;
-use kept::KeptField;
 use label_field::{LabelField, Scene};
 use metric::Metric;
 use plane_samples::{Region, plane_samples};
@@ -159,28 +158,25 @@ pub(crate) fn variational(
 ) -> Result<Solved> {
     let backend = backend(method.device)?;
     let space = Space::around(sections, bounds, method.border, lattice)?;
-    let mut scene = scene(sections, &space, method, backend.as_ref());
-    scene.keeps = keeps;
-    scene.before = (kept.as_ref().filter(|_| keeps))
-        .and_then(|kept| kept.before(sections, &space, scene.metric, scene.is_open));
-    let (solved, fields) = solve(&scene, "field", progress)?;
-    let metric = scene.metric;
-    *kept = keeps.then(|| Kept::new(sections, &space, metric, fields));
-    Ok(solved)
+    let scene = scene(sections, &space, method, backend.as_ref());
+    solve(scene, (keeps, kept), "field", progress)
 }
 
-/// Solves for all labels and removes specks; how many, comes last.
+/// Solves for all labels and removes specks.
 fn solve(
-    scene: &Scene,
+    mut scene: Scene,
+    (keeps, kept): (bool, &mut Option<Kept>),
     stage: &'static str,
     progress: &dyn Progress,
-) -> Result<(Solved, Vec<KeptField>)> {
+) -> Result<Solved> {
+    scene.keeps = keeps;
     let labels = labels(scene.sections);
     progress.begin(stage, labels.len() as u64);
+    let before = kept.as_ref().and_then(|kept| kept.before(&scene));
     let mut fields: Vec<LabelField> = labels
         .par_iter()
         .map(|&label| {
-            let field = LabelField::new(scene, label)?;
+            let field = LabelField::new(&scene, before.as_ref(), label)?;
             progress.advance(1);
             Ok(field)
         })
@@ -190,14 +186,10 @@ fn solve(
         effort.unknowns += field.effort.unknowns;
         effort.updates += field.effort.updates;
     }
-    let keep = |LabelField { label, kept, .. }: &mut LabelField| KeptField {
-        label: *label,
-        levels: std::mem::take(kept),
-    };
-    let kept = fields.iter_mut().map(keep).collect();
-    let mut samples = assembly::assemble(fields, scene);
+    *kept = keeps.then(|| Kept::new(&scene, &mut fields));
+    let mut samples = assembly::assemble(fields, &scene);
     let specks = remove_specks(&mut samples, scene.sections, scene.space.bounds) as u64;
-    Ok((Solved { samples, effort, specks, device: scene.backend.name() }, kept))
+    Ok(Solved { samples, effort, specks, device: scene.backend.name() })
 }
 
 /// What a device stands for.
@@ -234,7 +226,6 @@ fn scene<'a>(
         weights: &method.weights,
         original: None,
         keeps: false,
-        before: None,
         backend,
     }
 }

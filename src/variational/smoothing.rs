@@ -30,9 +30,10 @@ use crate::progress::{Progress, Silent};
 use crate::section::Section;
 
 use super::anchor::Original;
+use super::backend::Backend;
 use super::cpu::Cpu;
 use super::label_field::Scene;
-use super::{Effort, Space, scene, solve};
+use super::{Effort, Kept, Solved, Space, scene, solve};
 
 /// Points of the surface whose distance to the sections is taken, about.
 const POINTS: usize = 20_000;
@@ -40,47 +41,72 @@ const POINTS: usize = 20_000;
 /// 0 to h / 2: half of them are below h / 4.
 const SPACING_OF_MEDIAN: f64 = 4.0;
 
+/// What is kept of smoothing for the next time.
+#[derive(Debug)]
+pub struct KeptSmoothing {
+    /// ℓ, in world units.
+    length: f64,
+    fields: Kept,
+}
+
 /// Smooths samples: what is shorter than `strength` typical distances between
 /// sections vanishes. With 0 they stay as they are. Pieces and bubbles that no section
-/// speaks for are removed; how many, comes last.
+/// speaks for are removed. What was `kept` saves work, and with `keeps` something is.
 ///
 /// # Errors
-/// When the surface has no area, or a backend fails.
-pub fn smoothed(
+/// When the surface has no area, or a backend fails; then nothing is kept.
+pub(crate) fn smoothed(
     samples: &Samples,
     sections: &[Section],
     bounds: Bounds,
     strength: f64,
+    (keeps, kept): (bool, &mut Option<KeptSmoothing>),
     progress: &dyn Progress,
-) -> Result<(Samples, Effort, u64)> {
+) -> Result<Solved> {
+    let as_it_is = || Solved {
+        samples: samples.clone(),
+        effort: Effort::default(),
+        specks: 0,
+        device: Cpu::new().name(),
+    };
     if strength == 0.0 {
-        return Ok((samples.clone(), Effort::default(), 0));
+        return Ok(as_it_is());
     }
     let mesh = dual(samples, &Silent)?;
-    let length = strength * typical_spacing(&mesh, sections);
+    let length = strength * rounded(typical_spacing(&mesh, sections));
     if length == 0.0 {
-        return Ok((samples.clone(), Effort::default(), 0));
+        return Ok(as_it_is());
     }
-    smoothed_mesh(samples, &mesh, sections, bounds, length, progress)
+    let original =
+        Original { mesh: &mesh, length, open: samples.open, finest: samples.lattice.voxel };
+    let mut fields = kept.take_if(|kept| kept.length == length).map(|kept| kept.fields);
+    let solved =
+        smoothed_mesh(samples, original, sections, bounds, (keeps, &mut fields), progress)?;
+    *kept = fields.map(|fields| KeptSmoothing { length, fields });
+    Ok(solved)
 }
 
-/// The samples of a smoothed mesh, `length` being ℓ in world units.
+/// The samples of a smoothed mesh.
 fn smoothed_mesh(
     samples: &Samples,
-    mesh: &Mesh,
+    original: Original,
     sections: &[Section],
     bounds: Bounds,
-    length: f64,
+    (keeps, kept): (bool, &mut Option<Kept>),
     progress: &dyn Progress,
-) -> Result<(Samples, Effort, u64)> {
+) -> Result<Solved> {
     let space = Space::new(bounds, bounds, &samples.lattice)?;
     let border = if samples.open.is_some() { Label::UNKNOWN } else { Label::OUTSIDE };
     let method = Variational { border, ..Variational::default() };
-    let original = Original { mesh, open: samples.open, length, finest: samples.lattice.voxel };
     let backend = Cpu::new();
     let scene = Scene { original: Some(original), ..scene(sections, &space, &method, &backend) };
-    let (solved, _) = solve(&scene, "smoothing", progress)?;
-    Ok((solved.samples, solved.effort, solved.specks))
+    solve(scene, (keeps, kept), "smoothing", progress)
+}
+
+/// A spacing among those that are a quarter of a doubling apart: it does not change with
+/// every section, nor does then what is smoothed far from it.
+fn rounded(spacing: f64) -> f64 {
+    if spacing > 0.0 { ((4.0 * spacing.log2()).round() / 4.0).exp2() } else { 0.0 }
 }
 
 /// How far sections are apart where the surface is, in world units: by the median

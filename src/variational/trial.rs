@@ -54,7 +54,7 @@ impl Trial {
         let space = Space::around(sections, bounds, method.border, lattice)?;
         let scene = scene(sections, &space, method, &recorder);
         let label = labels(sections).first().copied().ok_or_else(nothing)?;
-        LabelField::new(&scene, label)?;
+        LabelField::new(&scene, None, label)?;
         let last = recorder.last.into_inner().unwrap_or_else(PoisonError::into_inner);
         last.ok_or_else(nothing)
     }

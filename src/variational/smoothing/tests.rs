@@ -224,10 +224,11 @@ fn with_a_length_below_the_voxel_nothing_changes() {
     let voxel = rough.voxel();
     let bounds = Bounds { min: rough.samples.lattice.origin + 0.5 * voxel, max: DVec3::ZERO };
     let bounds = Bounds { max: -bounds.min, ..bounds };
-    let (same, ..) =
-        smoothed_mesh(&rough.samples, &rough.mesh, &sections, bounds, 0.2 * voxel, &Silent)
+    let original = Original { mesh: &rough.mesh, open: None, length: 0.2 * voxel, finest: voxel };
+    let same =
+        smoothed_mesh(&rough.samples, original, &sections, bounds, (false, &mut None), &Silent)
             .unwrap();
-    let mesh = dual(&same, &Silent).unwrap();
+    let mesh = dual(&same.samples, &Silent).unwrap();
     let nearest = Nearest::on_mesh(&rough.mesh).unwrap();
     let off = largest(&nearest.distances(&mesh.vertices).unwrap()) / voxel;
     eprintln!("{off}");
