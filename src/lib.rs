@@ -52,6 +52,7 @@ pub mod memory;
 pub mod mesh;
 pub mod method;
 pub mod model;
+pub mod online;
 pub mod oracle;
 pub mod output;
 pub mod picture;

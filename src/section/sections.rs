@@ -55,7 +55,7 @@ impl Sections {
         for mut part in parts {
             let file = part.files.first().and_then(|file| file.file_name());
             if let Some(file) = file.map(|file| file.to_string_lossy().into_owned()) {
-                part.rename(&file);
+                part.begin_names(&format!("{file}:"));
             }
             let sections = std::mem::take(&mut part.sections);
             whole.learn(part, rules)?;
@@ -126,11 +126,13 @@ impl Sections {
 
     /// The first of the files, for errors.
     fn first_file(&self) -> String {
-        self.files.first().map(|file| file.display().to_string()).unwrap_or_default()
+        let nameless = || "the new sections".to_owned();
+        self.files.first().map_or_else(nameless, |file| file.display().to_string())
     }
 
-    fn rename(&mut self, file: &str) {
-        let full = |name: &mut String| *name = format!("{file}:{name}");
+    /// Puts something in front of all sections' names.
+    pub(crate) fn begin_names(&mut self, prefix: &str) {
+        let full = |name: &mut String| name.insert_str(0, prefix);
         self.sections.iter_mut().for_each(|section| full(&mut section.name));
         let told = self.warnings.iter_mut().chain(&mut self.left_out);
         told.for_each(|warning| full(&mut warning.section));
