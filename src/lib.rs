@@ -65,5 +65,6 @@ pub mod skeleton;
 pub mod slice;
 pub mod slots;
 pub mod stage;
+pub mod sweep;
 pub mod variational;
 pub mod volume;

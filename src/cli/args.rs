@@ -239,22 +239,35 @@ impl ReadingArguments {
 
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("planes").required(true)))]
+#[command(group(clap::ArgGroup::new("along")))]
 pub struct SliceArguments {
     /// A closed mesh: .ply (with labels or without), .obj, .stl, .off; or a volume of labels: .nrrd, .nii, .nii.gz
     #[arg(value_name = "SOLID")]
     pub solid: PathBuf,
-    /// Parallel planes, normal to this axis; with --count
-    #[arg(long, value_enum, group = "planes", requires = "count")]
+    /// Parallel planes, normal to this axis; with --count. Or what --sweep advances along [default: z]
+    #[arg(long, value_enum, requires = "along")]
     pub axis: Option<AxisName>,
     /// How many parallel planes
-    #[arg(long, value_name = "N", requires = "axis",
+    #[arg(long, value_name = "N", groups = ["planes", "along"], requires = "axis",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub count: Option<u32>,
     /// This many planes of random orientation
     #[arg(long, value_name = "N", group = "planes",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub random: Option<u32>,
-    /// What the random planes are drawn from
+    /// This many frames of a freehand sweep: they advance along an axis while they rock and turn, cross each other, and know nothing beyond their rectangle
+    #[arg(long, value_name = "N", groups = ["planes", "along"],
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub sweep: Option<u32>,
+    /// With --sweep: how far frames lean at most, in degrees, up to 60
+    #[arg(long, value_name = "DEG", default_value_t = 25.0, value_parser = tilt,
+          conflicts_with_all = ["count", "random", "plane"])]
+    pub tilt: f64,
+    /// With --sweep: width and height of a frame [default: three quarters of the solid]
+    #[arg(long, value_name = "W,H", value_parser = two_lengths,
+          conflicts_with_all = ["count", "random", "plane"])]
+    pub extent: Option<[f64; 2]>,
+    /// What random planes and sweeps are drawn from
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
     /// The plane A x + B y + C z + D = 0; can be repeated
@@ -538,6 +551,13 @@ fn angle(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|&angle| angle <= 30.0)
         .ok_or_else(|| "an angle above 0 and up to 30 degrees is needed".to_owned())
+}
+
+fn tilt(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if (0.0..=60.0).contains(&degrees) => Ok(degrees),
+        _ => Err("an angle from 0 to 60 degrees is needed".to_owned()),
+    }
 }
 
 fn four_numbers(text: &str) -> Result<[f64; 4], String> {

@@ -68,47 +68,51 @@ pub struct Material {
     pub volume: f64,
 }
 
-/// Which sections a model has: by number, and where each is kept, which is another place
-/// once it is replaced.
-pub(super) struct Roll(BTreeMap<SectionId, *const Section>);
+/// What a model is like before a change.
+pub(super) struct Before {
+    /// Its sections by number, and where each is kept: another place once it is replaced.
+    sections: BTreeMap<SectionId, *const Section>,
+    warnings: Vec<Warning>,
+}
 
-impl Roll {
+impl Before {
     pub(super) fn of(model: &Model) -> Self {
-        Self(model.given().map(|(id, section)| (id, std::ptr::from_ref(section))).collect())
+        Self { sections: places(model), warnings: model.sections().warnings.clone() }
     }
+}
+
+fn places(model: &Model) -> BTreeMap<SectionId, *const Section> {
+    model.given().map(|(id, section)| (id, std::ptr::from_ref(section))).collect()
 }
 
 impl Answer {
     pub(super) fn new(
         change: u64,
-        before: &Roll,
+        before: &Before,
         model: &Model,
         findings: Findings,
         stages: &Stages,
     ) -> Self {
-        let now = Roll::of(model);
-        let is_new = |id: &SectionId| !before.0.contains_key(id);
-        let added = model.given().filter(|(id, _)| is_new(id));
-        let added: Vec<Listed> = added.map(Listed::from).collect();
+        let (old, new) = (&before.sections, places(model));
+        let added = model.given().filter(|(id, _)| !old.contains_key(id));
         let differs = |(id, place): &(&SectionId, &*const Section)| {
-            before.0.get(id).is_some_and(|before| before != *place)
+            old.get(id).is_some_and(|before| before != *place)
         };
-        let mut warnings = findings.warnings;
-        // That a section was merged with one on its plane is said of the model.
-        let is_of_added = |warning: &&Warning| added.iter().any(|one| one.name == warning.section);
-        warnings.extend(model.sections().warnings.iter().filter(is_of_added).cloned());
+        // Of sections on one plane the model itself warns.
+        let told = model.sections().warnings.iter();
+        let told = told.filter(|warning| !before.warnings.contains(warning)).cloned();
         let mesh = model.derived().map(|derived| &derived.mesh);
         Self {
             change,
-            replaced: now.0.iter().filter(differs).map(|(&id, _)| id).collect(),
-            removed: before.0.keys().filter(|id| !now.0.contains_key(id)).copied().collect(),
-            sections: now.0.len(),
+            added: added.map(Listed::from).collect(),
+            replaced: new.iter().filter(differs).map(|(&id, _)| id).collect(),
+            removed: old.keys().filter(|id| !new.contains_key(id)).copied().collect(),
+            sections: new.len(),
             triangles: mesh.map_or(0, |mesh| mesh.triangles.len()),
             labels: mesh.map_or_else(Vec::new, |mesh| materials(mesh, model)),
             seconds: stages.seconds(),
             stages: stages.stages.clone(),
-            added,
-            warnings,
+            warnings: findings.warnings.into_iter().chain(told).collect(),
             left_out: findings.left_out,
         }
     }

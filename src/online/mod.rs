@@ -28,7 +28,7 @@ use crate::progress::Silent;
 use crate::section::{Findings, Rules};
 use crate::stage::{Stage, Stages};
 
-use answer::{Answer, Listed, Roll};
+use answer::{Answer, Before, Listed};
 use command::{Act, Command};
 use journal::{Journal, Records};
 
@@ -154,7 +154,7 @@ impl Session {
         let (act, findings) = without_findings(act);
         let text = act.text()?;
         let step = Step::from(read_back(&text)?);
-        let before = Roll::of(&self.model);
+        let before = Before::of(&self.model);
         let (journal, is_broken) = (&mut self.journal, &mut self.is_broken);
         let mut kept = None;
         let keep = || {

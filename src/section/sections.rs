@@ -117,7 +117,7 @@ impl Sections {
             _ => false,
         };
         if differ {
-            let what = "its \"up\" is not that of the files before: make them the same";
+            let what = "\"up\" is not that of the files before: make them the same";
             return Err(Error::Option(format!("{}: {what}", part.first_file())));
         }
         self.up = self.up.or(part.up);
@@ -189,7 +189,11 @@ fn warn(sections: &mut Sections, section: &str, what: String, rules: &Rules) -> 
         let what = format!("{what} (an error because warnings are, --strict)");
         return Err(Error::Section { section: section.to_owned(), what });
     }
-    sections.warnings.push(Warning { section: section.to_owned(), what });
+    let warning = Warning { section: section.to_owned(), what };
+    // Once is enough, however many sections come over time.
+    if !sections.warnings.contains(&warning) {
+        sections.warnings.push(warning);
+    }
     Ok(())
 }
 
@@ -199,7 +203,7 @@ fn same(what: &str, known: &mut String, new: &str, part: &Sections) -> Result<()
         new.clone_into(known);
     } else if !new.is_empty() && known != new {
         return Err(Error::Option(format!(
-            "{}: its {what} is {new:?}, that of the files before is {known:?}: convert one",
+            "{}: the {what} is {new:?}, that of the files before is {known:?}: convert one",
             part.first_file()
         )));
     }

@@ -1,5 +1,7 @@
 //! Random numbers that are the same everywhere.
 
+#![allow(dead_code)] // every test uses a part of it
+
 use std::ops::Range;
 
 /// SplitMix64.
