@@ -29,7 +29,7 @@ pub enum Change {
 #[derive(Debug, Clone)]
 pub enum Step {
     /// Its sections change.
-    Change(Change),
+    Change(Box<Change>),
     /// The last change that was not taken back yet is taken back.
     Undo,
 }

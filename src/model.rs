@@ -118,7 +118,8 @@ impl Model {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Vec<SectionId>> {
-        let added = self.take(Step::Change(change), rules, stages, progress, || Ok(()))?;
+        let added =
+            self.take(Step::Change(Box::new(change)), rules, stages, progress, || Ok(()))?;
         Ok(added.unwrap_or_default())
     }
 
@@ -153,7 +154,7 @@ impl Model {
         let mut given = self.given.clone();
         match step {
             Step::Change(change) => {
-                let (added, replaced) = given.change(change, rules)?;
+                let (added, replaced) = given.change(*change, rules)?;
                 self.become_what_follows(given, rules, stages, progress, keep)?;
                 self.remember(replaced);
                 Ok(Some(added))
@@ -183,7 +184,7 @@ impl Model {
         let (mut model, mut given) = (Self::new(options), Given::default());
         for step in steps {
             match step? {
-                Step::Change(change) => model.remember(given.change(change, rules)?.1),
+                Step::Change(change) => model.remember(given.change(*change, rules)?.1),
                 Step::Undo => {
                     let nothing = || Error::Option("there is no change to take back".to_owned());
                     given.restore(&model.past.pop_back().ok_or_else(nothing)?);

@@ -4,6 +4,7 @@
 #[path = "common/program.rs"]
 mod program;
 #[path = "common/random.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
 mod random;
 
 use std::collections::BTreeMap;

@@ -93,7 +93,7 @@ impl<'a> Online<'a> {
             let mut stages = Stages::default();
             let sections =
                 stages.run("read", |_| read_all(&arguments.sections, &reading.rules()))?;
-            let act = Act::Edit(Edit::Add(sections));
+            let act = Act::Edit(Box::new(Edit::Add(sections)));
             online.act(Cause::Line(0), act, stages)??;
         }
         Ok(online)
@@ -202,7 +202,7 @@ impl<'a> Online<'a> {
             folder.settle(name);
             return Ok(false);
         };
-        match self.change(Act::Edit(edit), &mut stages)? {
+        match self.change(Act::Edit(Box::new(edit)), &mut stages)? {
             Ok(answer) => {
                 folder.accept(name);
                 self.tell(to, answer)?;

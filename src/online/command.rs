@@ -28,7 +28,7 @@ pub enum Command {
 #[derive(Debug, Clone)]
 pub enum Act {
     /// Sections come, go, or are replaced.
-    Edit(Edit),
+    Edit(Box<Edit>),
     /// The last change that was not taken back yet is taken back.
     Undo,
 }
@@ -83,7 +83,7 @@ pub fn parse(text: &str, place: &Path, rules: &Rules) -> Result<Command> {
         Line::Undo => Command::Act(Act::Undo),
         Line::Save(path) => Command::Save(path),
         Line::Report(path) => Command::Report(path),
-        line => Command::Act(Act::Edit(line.edit(place, rules)?)),
+        line => Command::Act(Act::Edit(Box::new(line.edit(place, rules)?))),
     })
 }
 

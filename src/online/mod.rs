@@ -227,7 +227,7 @@ fn read_back(record: &str) -> Result<Act> {
 impl From<Act> for Step {
     fn from(act: Act) -> Self {
         match act {
-            Act::Edit(edit) => Self::Change(edit.into()),
+            Act::Edit(edit) => Self::Change(Box::new((*edit).into())),
             Act::Undo => Self::Undo,
         }
     }

@@ -1,7 +1,5 @@
 //! Random numbers that are the same everywhere.
 
-#![allow(dead_code)] // every test uses a part of it
-
 use std::ops::Range;
 
 /// SplitMix64.
