@@ -308,6 +308,20 @@ fn a_resumed_model_is_the_one_that_took_the_steps() {
 }
 
 #[test]
+fn sections_that_come_and_go_leave_no_warnings_behind() {
+    let mut living = model(Method::default());
+    let mut named = |name: &str, offset: f64| {
+        let mut one = sections(&[square(name, 0, offset, 1.0, 1)]);
+        one.materials[0].name = name.to_owned();
+        apply(&mut living, Change::Add(one)).unwrap();
+        living.sections().warnings.len()
+    };
+    let told = ["a", "b", "c", "d"].map(|name| named(name, f64::from(name.as_bytes()[0]) / 256.0));
+    assert_eq!(told, [0, 1, 1, 1]);
+    assert!(living.sections().warnings[0].what.contains("\"a\" and \"b\""));
+}
+
+#[test]
 fn threads_may_share_a_model() {
     fn is_shared<T: Send + Sync>(_: &T) {}
     is_shared(&model(Method::default()));

@@ -146,10 +146,13 @@ impl Sections {
         if known.name == material.name {
             return Ok(());
         }
-        let what = format!(
-            "label {} is called {:?} and {:?}: the first name is kept",
-            known.id, known.name, material.name
-        );
+        let begin = format!("label {} is called ", known.id);
+        let what =
+            format!("{begin}{:?} and {:?}: the first name is kept", known.name, material.name);
+        // Once is enough for a label, however many sections come over time.
+        if !rules.strict && self.warnings.iter().any(|warning| warning.what.starts_with(&begin)) {
+            return Ok(());
+        }
         warn(self, "", what, rules)
     }
 
@@ -189,11 +192,7 @@ fn warn(sections: &mut Sections, section: &str, what: String, rules: &Rules) -> 
         let what = format!("{what} (an error because warnings are, --strict)");
         return Err(Error::Section { section: section.to_owned(), what });
     }
-    let warning = Warning { section: section.to_owned(), what };
-    // Once is enough, however many sections come over time.
-    if !sections.warnings.contains(&warning) {
-        sections.warnings.push(warning);
-    }
+    sections.warnings.push(Warning { section: section.to_owned(), what });
     Ok(())
 }
 
