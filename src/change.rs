@@ -25,6 +25,15 @@ pub enum Change {
     All(Vec<Change>),
 }
 
+/// A step in the life of a model.
+#[derive(Debug, Clone)]
+pub enum Step {
+    /// Its sections change.
+    Change(Box<Change>),
+    /// The last change that was not taken back yet is taken back.
+    Undo,
+}
+
 /// Sections as they were given, each by its number: the ground state of a model, from which
 /// all else follows.
 #[derive(Debug, Clone, Default)]

@@ -1,13 +1,14 @@
 //! The model: sections and everything derived from them.
 //!
 //! Sections are ground state; complex, samples and mesh follow from them.
-//! Only [`Model::apply`] and [`Model::undo`] change a model, all or nothing.
+//! Only [`Model::take`], and with it [`Model::apply`] and [`Model::undo`], changes a model,
+//! all or nothing.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, PoisonError};
 
 use crate::capping::Capping;
-use crate::change::{Change, Given, Replaced, SectionId};
+use crate::change::{Change, Given, Replaced, SectionId, Step};
 use crate::complex::Complex;
 use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
@@ -127,14 +128,9 @@ impl Model {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Vec<SectionId>> {
-        let mut given = self.given.clone();
-        let (added, replaced) = given.change(change, rules)?;
-        self.become_what_follows(given, rules, stages, progress)?;
-        if self.past.len() == MOST_UNDONE {
-            self.past.pop_front();
-        }
-        self.past.push_back(replaced);
-        Ok(added)
+        let added =
+            self.take(Step::Change(Box::new(change)), rules, stages, progress, || Ok(()))?;
+        Ok(added.unwrap_or_default())
     }
 
     /// Takes the last change back that was not taken back yet; whether there was one. The last
@@ -148,26 +144,90 @@ impl Model {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<bool> {
-        let Some(replaced) = self.past.back() else { return Ok(false) };
-        let mut given = self.given.clone();
-        given.restore(replaced);
-        self.become_what_follows(given, rules, stages, progress)?;
-        self.past.pop_back();
-        Ok(true)
+        Ok(self.take(Step::Undo, rules, stages, progress, || Ok(()))?.is_some())
     }
 
-    /// Derives everything from sections, and if that works has them for its own.
+    /// Takes a step, as [`Model::apply`] and [`Model::undo`] do. Once everything is derived,
+    /// `keep` may write down that the step is taken; when it cannot, the step is not. Returns
+    /// the numbers of the sections that were added; `None` where nothing is left to take back.
+    ///
+    /// # Errors
+    /// As [`Model::apply`], and those of `keep`; then the model stays as it was.
+    pub fn take(
+        &mut self,
+        step: Step,
+        rules: &Rules,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+        keep: impl FnOnce() -> Result<()>,
+    ) -> Result<Option<Vec<SectionId>>> {
+        let mut given = self.given.clone();
+        match step {
+            Step::Change(change) => {
+                let (added, replaced) = given.change(*change, rules)?;
+                self.become_what_follows(given, rules, stages, progress, keep)?;
+                self.remember(replaced);
+                Ok(Some(added))
+            }
+            Step::Undo => {
+                let Some(replaced) = self.past.back() else { return Ok(None) };
+                given.restore(replaced);
+                self.become_what_follows(given, rules, stages, progress, keep)?;
+                self.past.pop_back();
+                Ok(Some(Vec::new()))
+            }
+        }
+    }
+
+    /// A model that took all these steps: its sections have the numbers that they had, and
+    /// the same changes can be taken back. Everything is derived once, after the last step.
+    ///
+    /// # Errors
+    /// Those of the steps, and as [`Model::apply`].
+    pub fn resume(
+        options: Options,
+        steps: impl IntoIterator<Item = Result<Step>>,
+        rules: &Rules,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let (mut model, mut given) = (Self::new(options), Given::default());
+        for step in steps {
+            match step? {
+                Step::Change(change) => model.remember(given.change(*change, rules)?.1),
+                Step::Undo => {
+                    let nothing = || Error::Option("there is no change to take back".to_owned());
+                    given.restore(&model.past.pop_back().ok_or_else(nothing)?);
+                }
+            }
+        }
+        model.become_what_follows(given, rules, stages, progress, || Ok(()))?;
+        Ok(model)
+    }
+
+    fn remember(&mut self, replaced: Replaced) {
+        if self.past.len() == MOST_UNDONE {
+            self.past.pop_front();
+        }
+        self.past.push_back(replaced);
+    }
+
+    /// Derives everything from sections, and if that works and can be kept has them for its
+    /// own.
     fn become_what_follows(
         &mut self,
         given: Given,
         rules: &Rules,
         stages: &mut Stages,
         progress: &dyn Progress,
+        keep: impl FnOnce() -> Result<()>,
     ) -> Result<()> {
         let sections = given.merged(rules)?;
         let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
         let derive = |sections| derive(sections, &self.options, lasting, stages, progress);
-        self.derived = sections.as_ref().map(derive).transpose()?;
+        let derived = sections.as_ref().map(derive).transpose()?;
+        keep()?;
+        self.derived = derived;
         self.sections = sections.unwrap_or_default();
         self.given = given;
         Ok(())

@@ -43,6 +43,30 @@ struct Output {
     /// Whether `target` is a device or a pipe.
     special: bool,
     temporary: NamedTempFile,
+    /// Dropped after the file itself.
+    _listed: Listed,
+}
+
+/// A temporary file in the list of those to remove, for as long as it is there: a program
+/// that writes files for hours lists no more of them than there are.
+#[derive(Debug)]
+struct Listed(PathBuf);
+
+impl Listed {
+    fn new(path: &Path) -> Self {
+        if let Ok(mut paths) = TEMPORARY.lock() {
+            paths.push(path.to_owned());
+        }
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        if let Ok(mut paths) = TEMPORARY.lock() {
+            paths.retain(|path| *path != self.0);
+        }
+    }
 }
 
 impl Outputs {
@@ -133,10 +157,8 @@ impl Output {
         let special = kind.is_ok_and(|kind| !kind.is_file());
         let folder = if special { std::env::temp_dir() } else { folder_of(&target) };
         let temporary = new_file(&folder).map_err(|error| write_error(path, &error))?;
-        if let Ok(mut paths) = TEMPORARY.lock() {
-            paths.push(temporary.path().to_owned());
-        }
-        Ok(Self { path: path.to_owned(), target, special, temporary })
+        let listed = Listed::new(temporary.path());
+        Ok(Self { path: path.to_owned(), target, special, temporary, _listed: listed })
     }
 
     fn copy(self) -> Result<()> {
@@ -168,7 +190,7 @@ fn new_file(folder: &Path) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-fn folder_of(path: &Path) -> PathBuf {
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
         _ => PathBuf::from("."),

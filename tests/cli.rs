@@ -171,6 +171,11 @@ fn wrong_usage_ends_with_two() {
         &["reconstruct", "a.csl", "-o", "a.ply", "--method", "guess"],
         &["slice", "a.ply", "-o", "a.csl"],
         &["slice", "a.ply", "-o", "a.csl", "--plane", "0,0,0,1"],
+        &["slice", "a.ply", "-o", "a.csl", "--axis", "x"],
+        &["slice", "a.ply", "-o", "a.csl", "--axis", "x", "--random", "3"],
+        &["slice", "a.ply", "-o", "a.csl", "--count", "3", "--sweep", "3", "--axis", "x"],
+        &["slice", "a.ply", "-o", "a.json", "--sweep", "3", "--tilt", "61"],
+        &["slice", "a.ply", "-o", "a.json", "--random", "3", "--extent", "1,1"],
         &["mask", "a.csl", "-o", "a.json"],
         &["mask", "a.csl", "-o", "a.json", "--blobs", "1"],
         &["mask", "a.csl", "-o", "a.json", "--blobs", "0.2", "--blob-size", "0"],
@@ -205,6 +210,40 @@ fn slices_of_a_result_reconstruct_to_nearly_the_same() {
     assert_done(&run(slice.arg("-o").arg(path("cuts.csl"))));
     let mut again = transect();
     again.arg("reconstruct").arg(path("cuts.csl")).args(COARSE).arg("--quiet");
+    assert_done(&run(again.arg("-o").arg(path("b.ply"))));
+    let mut compare = transect();
+    let output = run(compare.args(["compare", "--json"]).arg(path("b.ply")).arg(path("a.ply")));
+    assert_done(&output);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let iou = found["iou"].as_f64().expect("a number");
+    assert!((0.9..=1.0).contains(&iou), "{iou}");
+}
+
+#[test]
+fn a_sweep_is_partial_frames_that_reconstruct_to_the_solid() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    assert_done(&reconstruct(folder.path(), &["a.ply"], &["--quiet"]));
+    let sweep = |name: &str, more: &[&str]| {
+        let mut slice = transect();
+        slice.arg("slice").arg(path("a.ply")).args(["--sweep", "40"]).args(more);
+        run(slice.arg("-o").arg(path(name)))
+    };
+    assert_refused(&sweep("a.csl", &[]), &["a.csl", ".json", "unknown"]);
+    assert_done(&sweep("whole.json", &["--extent", "400,400"]));
+    assert_done(&sweep("part.json", &["--axis", "x", "--seed", "3"]));
+    for name in ["whole.json", "part.json"] {
+        let output = run(transect().args(["inspect", "--json"]).arg(path(name)));
+        assert_done(&output);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(found["sections"], 40);
+        let beyond = found["unknown"].as_array().expect("a list").iter();
+        assert_eq!(beyond.filter(|section| section["beyond"] == true).count(), 40);
+        assert_eq!(found["disagreements"].as_array().map(Vec::len), Some(0), "{name}");
+    }
+    // Frames that reach beyond the solid say as much as whole planes.
+    let mut again = transect();
+    again.arg("reconstruct").arg(path("whole.json")).args(COARSE).arg("--quiet");
     assert_done(&run(again.arg("-o").arg(path("b.ply"))));
     let mut compare = transect();
     let output = run(compare.args(["compare", "--json"]).arg(path("b.ply")).arg(path("a.ply")));

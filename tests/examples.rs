@@ -52,6 +52,16 @@ fn a_patch_joins_two_stripes() {
 }
 
 #[test]
+fn a_sweep_of_crossing_frames_is_one_stomach() {
+    let swept = reconstruct(read(&["sweep.json"]), 64, None);
+    assert_eq!(pieces(&swept), [1]);
+    assert_eq!(swept.labels[0].facts.genus, 0);
+    assert!(swept.dice.min > 0.98, "{}", swept.dice.min);
+    // All but the frames' rectangles.
+    assert!(swept.dice.sections.iter().all(|section| section.unknown > 0.5));
+}
+
+#[test]
 fn the_phantom_keeps_its_organs() {
     // The kidneys are two.
     let clean = reconstruct(read(&["phantom.json"]), 64, None);

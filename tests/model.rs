@@ -1,8 +1,8 @@
 //! Models that change: sections are added, replaced and removed, and changes taken back.
 
 use glam::DVec3;
-use transect::change::{Change, SectionId};
-use transect::error::Result;
+use transect::change::{Change, SectionId, Step};
+use transect::error::{Error, Result};
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
@@ -313,6 +313,79 @@ fn assert_alike(one: &Model, other: &Model) {
     let at = |percent: usize| apart[(apart.len() - 1) * percent / 100] / voxel;
     let found = [95, 99, 100].map(at);
     assert!(found[0] < 0.02 && found[1] < 0.05 && found[2] < 0.5, "{found:?} voxels");
+}
+
+#[test]
+fn a_step_that_cannot_be_kept_is_not_taken() {
+    let (mut living, mut other) = (evaluated(), evaluated());
+    apply(&mut living, Change::Add(sections(&squares()))).unwrap();
+    apply(&mut other, Change::Add(sections(&squares()))).unwrap();
+    let added = Change::Add(sections(&[square("new", 1, -0.6, 1.0, 2)]));
+    for step in [Step::Change(Box::new(added)), Step::Undo] {
+        let full = || Err(Error::Option("the disk is full".to_owned()));
+        let stages = &mut Stages::default();
+        let error = living.take(step, &Rules::default(), stages, &Silent, full).unwrap_err();
+        assert_eq!(error.to_string(), "the disk is full");
+        assert_eq!(names(&living), names(&other));
+        same_samples(&living, &other);
+    }
+    // It goes on as if nothing had been.
+    let change = || Change::Replace(SectionId(3), square("other", 0, 0.3, 0.5, 1));
+    apply(&mut living, change()).unwrap();
+    apply(&mut other, change()).unwrap();
+    same_samples(&living, &other);
+    assert!(undo(&mut living) && undo(&mut living) && !undo(&mut living));
+}
+
+#[test]
+fn a_resumed_model_is_the_one_that_took_the_steps() {
+    let all = squares();
+    let one = |index: usize| Change::Add(sections(std::slice::from_ref(&all[index])));
+    let change = |change| Step::Change(Box::new(change));
+    let mut steps: Vec<Step> = (0..5).map(|index| change(one(index))).collect();
+    steps.push(change(Change::Remove(SectionId(1))));
+    steps.extend([Step::Undo, Step::Undo, change(one(4))]);
+    steps.push(change(Change::Replace(SectionId(0), square("less", 0, -0.4, 0.5, 1))));
+    let mut lived = model(Method::default());
+    for step in steps.clone() {
+        let stages = &mut Stages::default();
+        lived.take(step, &Rules::default(), stages, &Silent, || Ok(())).unwrap();
+    }
+    let (options, mut stages) = (*lived.options(), Stages::default());
+    let resume = |steps: Vec<Result<Step>>, stages: &mut Stages| {
+        Model::resume(options, steps, &Rules::default(), stages, &Silent)
+    };
+    let mut resumed = resume(steps.into_iter().map(Ok).collect(), &mut stages).unwrap();
+    // Derived once, and from the same: to the last bit.
+    assert_eq!(stages.stages.iter().filter(|stage| stage.name == "field").count(), 1);
+    loop {
+        let ids = |model: &Model| model.given().map(|(id, _)| id).collect::<Vec<_>>();
+        assert_eq!((ids(&resumed), names(&resumed)), (ids(&lived), names(&lived)));
+        let meshes = [&resumed, &lived].map(|model| model.derived().map(|derived| &derived.mesh));
+        assert!(meshes[0] == meshes[1]);
+        let undone = undo(&mut resumed);
+        assert_eq!(undone, undo(&mut lived));
+        if !undone {
+            break;
+        }
+    }
+    for wrong in [vec![Ok(Step::Undo)], vec![Err(Error::Option("unread".to_owned()))]] {
+        assert!(resume(wrong, &mut stages).is_err());
+    }
+}
+
+#[test]
+fn sections_that_come_and_go_leave_no_warnings_behind() {
+    let mut living = model(Method::default());
+    let mut named = |name: &str, offset: f64| {
+        let mut one = sections(&[square(name, 0, offset, 1.0, 1)]);
+        one.materials[0].name = name.to_owned();
+        apply(&mut living, Change::Add(one)).unwrap();
+        living.sections().warnings.len()
+    };
+    let told = ["a", "b", "c", "d"].map(|name| named(name, f64::from(name.as_bytes()[0]) / 256.0));
+    assert_eq!(told, [0, 1, 1, 1]);
+    assert!(living.sections().warnings[0].what.contains("\"a\" and \"b\""));
 }
 
 #[test]

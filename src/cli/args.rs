@@ -1,9 +1,12 @@
 //! The arguments as text.
 
+mod online;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
+use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::field::Device;
@@ -14,6 +17,8 @@ use crate::method::{Caps, Mesher};
 use crate::model;
 use crate::picture::{self, Viewpoint};
 use crate::section::{Overlap, Rules};
+
+pub use online::{FrameKind, OnlineArguments};
 
 /// Volumes and surfaces from labelled planar cross-sections of any orientation.
 #[derive(Debug, Parser)]
@@ -27,6 +32,8 @@ pub struct Arguments {
 pub enum Command {
     /// Turn sections into volumes, surfaces, pictures and a report
     Reconstruct(ReconstructArguments),
+    /// Follow sections that come, change and go one by one
+    Online(OnlineArguments),
     /// Cut a mesh or a volume of labels with planes into sections
     Slice(SliceArguments),
     /// Make parts of sections unknown, for experiments
@@ -47,28 +54,8 @@ pub struct ReconstructArguments {
     /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, skeleton the nearest section, exactly
-    #[arg(long, value_enum, default_value_t = MethodName::Variational)]
-    pub method: MethodName,
     #[command(flatten)]
-    pub grid: GridArguments,
-    /// With --method mvc: how much ripples between sections are smoothed away, contours fixed: up to this many typical distances between sections; 0 keeps them [default: 1]
-    #[arg(long, value_name = "STRENGTH", value_parser = strength)]
-    pub smooth: Option<f64>,
-    /// With --method mvc: how finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
-    #[arg(long, value_name = "H", value_parser = positive)]
-    pub spacing: Option<f64>,
-    #[command(flatten)]
-    pub meshing: MeshingArguments,
-    /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it [default: outside]
-    #[arg(long = "box", value_name = "LABEL", value_enum)]
-    pub border: Option<BorderName>,
-    /// How a solid ends beyond the outermost sections: rounded as its field is, flat half a spacing beyond them, or on them (none). With --box unknown: flat closes surfaces in the box's faces, none leaves them open there [default: rounded; with --box unknown: none]
-    #[arg(long, value_enum)]
-    pub caps: Option<CapsName>,
-    /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too [default: auto]
-    #[arg(long, value_enum)]
-    pub device: Option<DeviceName>,
+    pub method: MethodArguments,
     /// Threads [default: as many as there are processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
@@ -80,9 +67,6 @@ pub struct ReconstructArguments {
         default_value = "surface,density,label,surface_*"
     )]
     pub grids: Vec<String>,
-    /// With --method skeleton: make the surface fair, contours fixed, with edges of this length in world units [default: 0.65 % of the box, whatever the resolution]
-    #[arg(long, value_name = "LENGTH", num_args = 0..=1, value_parser = positive)]
-    pub fair: Option<Option<f64>>,
     /// With --method skeleton: write the surface with exact coordinates as JSON
     #[arg(long, value_name = "FILE.json")]
     pub exact: Option<PathBuf>,
@@ -98,7 +82,52 @@ pub struct ReconstructArguments {
     pub quiet: bool,
 }
 
-#[derive(Debug, Clone, Copy, Args)]
+/// How a model is derived from its sections.
+#[derive(Debug, Clone, Args, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct MethodArguments {
+    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, skeleton the nearest section, exactly
+    #[arg(long, value_enum, default_value_t = MethodName::Variational)]
+    pub method: MethodName,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub grid: GridArguments,
+    /// With --method mvc: how much ripples between sections are smoothed away, contours fixed: up to this many typical distances between sections; 0 keeps them [default: 1]
+    #[arg(long, value_name = "STRENGTH", value_parser = strength)]
+    pub smooth: Option<f64>,
+    /// With --method mvc: how finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
+    #[arg(long, value_name = "H", value_parser = positive)]
+    pub spacing: Option<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub meshing: MeshingArguments,
+    /// What is on the faces of the box: outside closes every surface in it, unknown lets materials leave it [default: outside]
+    #[serde(rename = "box")]
+    #[arg(long = "box", value_name = "LABEL", value_enum)]
+    pub border: Option<BorderName>,
+    /// How a solid ends beyond the outermost sections: rounded as its field is, flat half a spacing beyond them, or on them (none). With --box unknown: flat closes surfaces in the box's faces, none leaves them open there [default: rounded; with --box unknown: none]
+    #[arg(long, value_enum)]
+    pub caps: Option<CapsName>,
+    /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too [default: auto]
+    #[arg(long, value_enum)]
+    pub device: Option<DeviceName>,
+    /// With --method skeleton: make the surface fair, contours fixed, with edges of this length in world units [default: 0.65 % of the box, whatever the resolution]
+    #[serde(serialize_with = "fairness")]
+    #[arg(long, value_name = "LENGTH", num_args = 0..=1, value_parser = positive)]
+    pub fair: Option<Option<f64>>,
+}
+
+/// Whether a surface is made fair, and to what length of edges where that is given.
+fn fairness<S: Serializer>(fair: &Option<Option<f64>>, serializer: S) -> Result<S::Ok, S::Error> {
+    match fair {
+        None => serializer.serialize_none(),
+        Some(None) => serializer.serialize_bool(true),
+        Some(Some(length)) => serializer.serialize_f64(*length),
+    }
+}
+
+#[derive(Debug, Clone, Copy, Args, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct GridArguments {
     /// Voxels on the longest side of the box [default: 256]
     #[arg(long, value_name = "N", conflicts_with = "voxel_size",
@@ -119,7 +148,8 @@ impl GridArguments {
     }
 }
 
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Args, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct MeshingArguments {
     /// How the surface is made from the grid: dual contouring, or Delaunay refinement, which is slower and makes well-shaped triangles
     #[arg(long, value_enum, default_value_t = MesherName::Dual)]
@@ -181,7 +211,8 @@ impl PictureArguments {
     }
 }
 
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Args, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct ReadingArguments {
     /// Turn every warning into an error
     #[arg(long)]
@@ -208,22 +239,35 @@ impl ReadingArguments {
 
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("planes").required(true)))]
+#[command(group(clap::ArgGroup::new("along")))]
 pub struct SliceArguments {
     /// A closed mesh: .ply (with labels or without), .obj, .stl, .off; or a volume of labels: .nrrd, .nii, .nii.gz
     #[arg(value_name = "SOLID")]
     pub solid: PathBuf,
-    /// Parallel planes, normal to this axis; with --count
-    #[arg(long, value_enum, group = "planes", requires = "count")]
+    /// Parallel planes, normal to this axis; with --count. Or what --sweep advances along [default: z]
+    #[arg(long, value_enum, requires = "along")]
     pub axis: Option<AxisName>,
     /// How many parallel planes
-    #[arg(long, value_name = "N", requires = "axis",
+    #[arg(long, value_name = "N", groups = ["planes", "along"], requires = "axis",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub count: Option<u32>,
     /// This many planes of random orientation
     #[arg(long, value_name = "N", group = "planes",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub random: Option<u32>,
-    /// What the random planes are drawn from
+    /// This many frames of a freehand sweep: they advance along an axis while they rock and turn, cross each other, and know nothing beyond their rectangle
+    #[arg(long, value_name = "N", groups = ["planes", "along"],
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub sweep: Option<u32>,
+    /// With --sweep: how far frames lean at most, in degrees, up to 60
+    #[arg(long, value_name = "DEG", default_value_t = 25.0, value_parser = tilt,
+          conflicts_with_all = ["count", "random", "plane"])]
+    pub tilt: f64,
+    /// With --sweep: width and height of a frame [default: three quarters of the solid]
+    #[arg(long, value_name = "W,H", value_parser = two_lengths,
+          conflicts_with_all = ["count", "random", "plane"])]
+    pub extent: Option<[f64; 2]>,
+    /// What random planes and sweeps are drawn from
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
     /// The plane A x + B y + C z + D = 0; can be repeated
@@ -352,7 +396,8 @@ pub struct CrosscheckArguments {
     pub quiet: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum MethodName {
     Variational,
     Mvc,
@@ -377,13 +422,15 @@ pub enum FieldName {
     Variational,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum MesherName {
     Dual,
     Delaunay,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum BorderName {
     Outside,
     Unknown,
@@ -398,7 +445,8 @@ impl From<BorderName> for Label {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum CapsName {
     Rounded,
     Flat,
@@ -415,7 +463,8 @@ impl From<CapsName> for Caps {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum DeviceName {
     Auto,
     Cpu,
@@ -432,7 +481,8 @@ impl From<DeviceName> for Device {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum OverlapName {
     First,
     Last,
@@ -501,6 +551,13 @@ fn angle(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|&angle| angle <= 30.0)
         .ok_or_else(|| "an angle above 0 and up to 30 degrees is needed".to_owned())
+}
+
+fn tilt(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if (0.0..=60.0).contains(&degrees) => Ok(degrees),
+        _ => Err("an angle from 0 to 60 degrees is needed".to_owned()),
+    }
 }
 
 fn four_numbers(text: &str) -> Result<[f64; 4], String> {

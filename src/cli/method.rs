@@ -1,15 +1,15 @@
 //! The method of a reconstruction, from arguments: what it does not use is refused
 //! by name.
 
-use super::args::{BorderName, CapsName, DeviceName, MesherName, MethodName, ReconstructArguments};
+use super::args::{BorderName, CapsName, DeviceName, MesherName, MethodArguments, MethodName};
 use crate::error::{Error, Result};
 use crate::label::Label;
 use crate::method::{Caps, Fairing, MeanValue, Method, Skeleton, Variational};
 use crate::skeleton;
 
-/// The method that arguments ask for.
-pub fn method(arguments: &ReconstructArguments) -> Result<Method> {
-    refuse_unused(arguments)?;
+/// The method that arguments ask for, with exact coordinates or without.
+pub fn method(arguments: &MethodArguments, exact: bool) -> Result<Method> {
+    refuse_unused(arguments, exact)?;
     Ok(match arguments.method {
         MethodName::Variational => Method::Variational(Variational {
             border: border(arguments),
@@ -26,22 +26,19 @@ pub fn method(arguments: &ReconstructArguments) -> Result<Method> {
             spacing: arguments.spacing,
             mesher: arguments.meshing.mesher()?,
         }),
-        MethodName::Skeleton => {
-            let exact = arguments.exact.is_some();
-            Method::Skeleton(Skeleton {
-                exactness: skeleton::Options { exact, ..skeleton::Options::default() },
-                fairing: arguments.fair.map(|edge_length| Fairing { edge_length }),
-            })
-        }
+        MethodName::Skeleton => Method::Skeleton(Skeleton {
+            exactness: skeleton::Options { exact, ..skeleton::Options::default() },
+            fairing: arguments.fair.map(|edge_length| Fairing { edge_length }),
+        }),
     })
 }
 
-fn border(arguments: &ReconstructArguments) -> Label {
+fn border(arguments: &MethodArguments) -> Label {
     arguments.border.unwrap_or(BorderName::Outside).into()
 }
 
 /// In an open box nothing is rounded, and what leaves it is open unless it is closed.
-fn caps(arguments: &ReconstructArguments) -> Result<Caps> {
+fn caps(arguments: &MethodArguments) -> Result<Caps> {
     match (is_open(arguments), arguments.caps) {
         (false, given) => Ok(given.map_or(Caps::default(), Caps::from)),
         (true, None) => Ok(Caps::None),
@@ -54,17 +51,17 @@ fn caps(arguments: &ReconstructArguments) -> Result<Caps> {
     }
 }
 
-fn is_open(arguments: &ReconstructArguments) -> bool {
+fn is_open(arguments: &MethodArguments) -> bool {
     arguments.border.is_some_and(|border| border != BorderName::Outside)
 }
 
-fn device(arguments: &ReconstructArguments) -> crate::field::Device {
+fn device(arguments: &MethodArguments) -> crate::field::Device {
     arguments.device.unwrap_or(DeviceName::Auto).into()
 }
 
 /// Which options there are for some methods alone, whether they are given, and the
 /// methods they are for.
-fn refuse_unused(arguments: &ReconstructArguments) -> Result<()> {
+fn refuse_unused(arguments: &MethodArguments, exact: bool) -> Result<()> {
     use MethodName::{Mvc, Skeleton, Variational};
     let of_grid: &[MethodName] = &[Variational, Mvc];
     let has_caps = |caps: CapsName| arguments.caps == Some(caps);
@@ -73,7 +70,7 @@ fn refuse_unused(arguments: &ReconstructArguments) -> Result<()> {
         ("--smooth", arguments.smooth.is_some(), &[Mvc][..]),
         ("--spacing", arguments.spacing.is_some(), &[Mvc]),
         ("--fair", arguments.fair.is_some(), &[Skeleton]),
-        ("--exact", arguments.exact.is_some(), &[Skeleton]),
+        ("--exact", exact, &[Skeleton]),
         ("--device", arguments.device.is_some(), of_grid),
         ("--box unknown", is_open(arguments), of_grid),
         ("--caps rounded", has_caps(CapsName::Rounded), of_grid),
@@ -91,7 +88,7 @@ fn refuse_unused(arguments: &ReconstructArguments) -> Result<()> {
             )));
         }
     }
-    if arguments.exact.is_some() && arguments.fair.is_some() {
+    if exact && arguments.fair.is_some() {
         let what = "--fair moves vertices away from their exact places: leave it or --exact out";
         return Err(Error::Option(what.to_owned()));
     }

@@ -4,10 +4,14 @@ mod args;
 mod bars;
 mod compare;
 mod crosscheck;
+mod frames;
 mod inspect;
 mod mask;
 mod method;
+mod online;
 mod reconstruct;
+mod replies;
+mod results;
 mod slice;
 mod table;
 mod targets;
@@ -50,6 +54,7 @@ pub fn run() -> ExitCode {
 fn dispatch(command: &Command) -> Result<()> {
     match command {
         Command::Reconstruct(arguments) => reconstruct::run(arguments),
+        Command::Online(arguments) => online::run(arguments),
         Command::Slice(arguments) => slice::run(arguments),
         Command::Mask(arguments) => mask::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),

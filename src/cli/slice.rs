@@ -1,7 +1,5 @@
 //! `transect slice`: a mesh or a volume of labels cut by planes into sections.
 
-use std::path::Path;
-
 use super::args::{AxisName, SliceArguments};
 use super::bars::Watcher;
 use super::print_warnings;
@@ -10,9 +8,10 @@ use crate::io::mesh::{MESH_KINDS, read_mesh};
 use crate::io::volume::{VOLUME_KINDS, is_volume, read_volume};
 use crate::io::{self, mesh::MeshKind};
 use crate::output::Outputs;
-use crate::plane::Plane;
-use crate::section::{Rules, Sections};
+use crate::plane::{Bounds, Plane};
+use crate::section::{Rules, Section, Sections};
 use crate::slice::{Family, slice, slice_volume};
+use crate::sweep::{Sweep, framed};
 
 /// Cuts and writes.
 pub fn run(arguments: &SliceArguments) -> Result<()> {
@@ -36,8 +35,8 @@ pub fn run(arguments: &SliceArguments) -> Result<()> {
 fn cut(arguments: &SliceArguments) -> Result<Sections> {
     let path = &arguments.solid;
     match MeshKind::of(path) {
-        Some(_) => cut_mesh(path, &family(arguments)),
-        None if is_volume(path) => cut_volume(path, &family(arguments)),
+        Some(_) => cut_mesh(arguments),
+        None if is_volume(path) => cut_volume(arguments),
         None => Err(Error::file(
             path,
             format!(
@@ -48,23 +47,42 @@ fn cut(arguments: &SliceArguments) -> Result<Sections> {
     }
 }
 
-fn cut_mesh(path: &Path, family: &Family) -> Result<Sections> {
-    let mesh = read_mesh(path)?;
+fn cut_mesh(arguments: &SliceArguments) -> Result<Sections> {
+    let mesh = read_mesh(&arguments.solid)?;
     let bounds = mesh.bounds().ok_or_else(|| Error::Option("it has no vertex".to_owned()))?;
-    let planes = family.planes(&bounds)?;
-    Sections::new(slice(&mesh, &planes)?, &Rules::default())
+    let sections = cut_by(arguments, &bounds, |planes| slice(&mesh, planes))?;
+    Sections::new(sections, &Rules::default())
 }
 
-fn cut_volume(path: &Path, family: &Family) -> Result<Sections> {
-    let volume = read_volume(path)?;
-    let planes = match volume.bounds() {
-        Some(bounds) => family.planes(&bounds)?,
-        None => Vec::new(),
+fn cut_volume(arguments: &SliceArguments) -> Result<Sections> {
+    let volume = read_volume(&arguments.solid)?;
+    let cut = |planes: &[Plane]| slice_volume(&volume, planes);
+    let sections = match volume.bounds() {
+        Some(bounds) => cut_by(arguments, &bounds, cut)?,
+        None => cut(&[])?,
     };
-    let mut sections = Sections::new(slice_volume(&volume, &planes)?, &Rules::default())?;
+    let mut sections = Sections::new(sections, &Rules::default())?;
     sections.name_materials(volume.materials);
     (sections.units, sections.frame) = (volume.units, volume.frame);
     Ok(sections)
+}
+
+/// The sections by the planes, or within the frames, that arguments ask for.
+fn cut_by(
+    arguments: &SliceArguments,
+    bounds: &Bounds,
+    cut: impl Fn(&[Plane]) -> Result<Vec<Section>>,
+) -> Result<Vec<Section>> {
+    match arguments.sweep {
+        None => cut(&family(arguments).planes(bounds)?),
+        Some(count) => {
+            let axis = arguments.axis.map_or(2, AxisName::number);
+            let SliceArguments { tilt, extent: size, seed, .. } = *arguments;
+            let frames = Sweep { axis, count, tilt, size, seed }.frames(bounds)?;
+            let planes: Vec<Plane> = frames.iter().map(|frame| frame.plane).collect();
+            framed(cut(&planes)?, &frames)
+        }
+    }
 }
 
 type Writer = fn(&Sections, &mut dyn std::io::Write) -> Result<()>;
@@ -73,6 +91,11 @@ fn writer(arguments: &SliceArguments) -> Result<Writer> {
     let path = &arguments.output;
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match ending.as_str() {
+        "csl" if arguments.sweep.is_some() => {
+            let what = "beyond frames all is unknown, and only .json has a word for it: name such \
+                        a file";
+            Err(Error::file(path, what))
+        }
         "csl" => Ok(io::csl::write),
         "json" => Ok(io::json::write),
         _ => Err(Error::file(path, "sections are written to .csl and .json; name such a file")),
@@ -80,15 +103,20 @@ fn writer(arguments: &SliceArguments) -> Result<Writer> {
 }
 
 fn family(arguments: &SliceArguments) -> Family {
-    let axis = arguments.axis.map(|axis| match axis {
-        AxisName::X => 0,
-        AxisName::Y => 1,
-        AxisName::Z => 2,
-    });
-    match (axis, arguments.count, arguments.random) {
-        (Some(axis), Some(count), _) => Family::Axis { axis, count },
+    match (arguments.axis, arguments.count, arguments.random) {
+        (Some(axis), Some(count), _) => Family::Axis { axis: axis.number(), count },
         (_, _, Some(count)) => Family::Random { count, seed: arguments.seed },
         _ => Family::Given(arguments.plane.iter().map(|&[a, b, c, d]| plane(a, b, c, d)).collect()),
+    }
+}
+
+impl AxisName {
+    fn number(self) -> usize {
+        match self {
+            Self::X => 0,
+            Self::Y => 1,
+            Self::Z => 2,
+        }
     }
 }
 

@@ -36,6 +36,7 @@ struct File {
     units: String,
     #[serde(default)]
     frame: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
     up: Option<Up>,
     #[serde(default)]
     labels: Vec<Named>,
@@ -356,22 +357,42 @@ pub fn write(sections: &Sections, out: &mut dyn Write) -> Result<()> {
 }
 
 fn write_all(sections: &Sections, out: &mut dyn Write) -> io::Result<()> {
+    let File { units, frame, up, labels, sections, .. } = document(sections);
     writeln!(out, "{{\n\"transect\": \"{KIND}\",\n\"version\": {VERSION},")?;
-    writeln!(out, "\"units\": {},", serde_json::to_string(&sections.units)?)?;
-    writeln!(out, "\"frame\": {},", serde_json::to_string(&sections.frame)?)?;
-    if let Some(up) = sections.up {
-        let up = match direction::axis_name(up) {
-            Some(name) => Up::Axis(name.to_owned()),
-            None => Up::Vector(up.to_array()),
-        };
+    writeln!(out, "\"units\": {},", serde_json::to_string(&units)?)?;
+    writeln!(out, "\"frame\": {},", serde_json::to_string(&frame)?)?;
+    if let Some(up) = up {
         writeln!(out, "\"up\": {},", serde_json::to_string(&up)?)?;
     }
-    let labels: Vec<Named> = sections.materials.iter().map(named).collect();
     rows(out, "labels", &labels)?;
     writeln!(out, ",")?;
-    let planars: Vec<Planar> = sections.sections.iter().map(planar).collect();
-    rows(out, "sections", &planars)?;
+    rows(out, "sections", &sections)?;
     writeln!(out, "\n}}")
+}
+
+/// Sections as JSON on a single line. Reading it gives the same sections.
+///
+/// # Errors
+/// Where a number has no JSON.
+pub fn line(sections: &Sections) -> Result<String> {
+    serde_json::to_string(&document(sections)).map_err(|error| unwritten(".json", &error.into()))
+}
+
+/// All that is written.
+fn document(sections: &Sections) -> File {
+    let up = |up| match direction::axis_name(up) {
+        Some(name) => Up::Axis(name.to_owned()),
+        None => Up::Vector(up.to_array()),
+    };
+    File {
+        transect: KIND.to_owned(),
+        version: VERSION,
+        units: sections.units.clone(),
+        frame: sections.frame.clone(),
+        up: sections.up.map(up),
+        labels: sections.materials.iter().map(named).collect(),
+        sections: sections.sections.iter().map(planar).collect(),
+    }
 }
 
 /// A member that is a list, an entry a line.

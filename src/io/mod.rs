@@ -36,13 +36,16 @@ pub const KINDS: &str = ".csl, .contour, .json";
 /// Where the file cannot be read or breaks a rule; the error names the file,
 /// the section and the place.
 pub fn read_sections(path: &Path, rules: &Rules) -> Result<Sections> {
-    let mut sections = read_file(path, rules)?;
+    let mut sections = read_part(path, rules)?;
     sections.expect_unknown(rules)?;
     Ok(sections)
 }
 
-/// One of several files: a label that means *unknown* may be in another.
-fn read_file(path: &Path, rules: &Rules) -> Result<Sections> {
+/// Reads one of several files: a label that means *unknown* may be in another.
+///
+/// # Errors
+/// As [`read_sections`].
+pub fn read_part(path: &Path, rules: &Rules) -> Result<Sections> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let read: fn(&str, &Path, &Rules) -> Result<Sections> = match ending.as_str() {
         "csl" => csl::read,
@@ -66,7 +69,7 @@ pub fn read_all(paths: &[PathBuf], rules: &Rules) -> Result<Sections> {
     if let [path] = paths {
         return read_sections(path, rules);
     }
-    let parts = paths.iter().map(|path| read_file(path, rules)).collect::<Result<Vec<_>>>()?;
+    let parts = paths.iter().map(|path| read_part(path, rules)).collect::<Result<Vec<_>>>()?;
     let mut sections = Sections::join(parts, rules)?;
     sections.expect_unknown(rules)?;
     Ok(sections)

@@ -55,7 +55,7 @@ impl Sections {
         for mut part in parts {
             let file = part.files.first().and_then(|file| file.file_name());
             if let Some(file) = file.map(|file| file.to_string_lossy().into_owned()) {
-                part.rename(&file);
+                part.begin_names(&format!("{file}:"));
             }
             let sections = std::mem::take(&mut part.sections);
             whole.learn(part, rules)?;
@@ -117,7 +117,7 @@ impl Sections {
             _ => false,
         };
         if differ {
-            let what = "its \"up\" is not that of the files before: make them the same";
+            let what = "\"up\" is not that of the files before: make them the same";
             return Err(Error::Option(format!("{}: {what}", part.first_file())));
         }
         self.up = self.up.or(part.up);
@@ -126,11 +126,13 @@ impl Sections {
 
     /// The first of the files, for errors.
     fn first_file(&self) -> String {
-        self.files.first().map(|file| file.display().to_string()).unwrap_or_default()
+        let nameless = || "the new sections".to_owned();
+        self.files.first().map_or_else(nameless, |file| file.display().to_string())
     }
 
-    fn rename(&mut self, file: &str) {
-        let full = |name: &mut String| *name = format!("{file}:{name}");
+    /// Puts something in front of all sections' names.
+    pub(crate) fn begin_names(&mut self, prefix: &str) {
+        let full = |name: &mut String| name.insert_str(0, prefix);
         self.sections.iter_mut().for_each(|section| full(&mut section.name));
         let told = self.warnings.iter_mut().chain(&mut self.left_out);
         told.for_each(|warning| full(&mut warning.section));
@@ -144,10 +146,13 @@ impl Sections {
         if known.name == material.name {
             return Ok(());
         }
-        let what = format!(
-            "label {} is called {:?} and {:?}: the first name is kept",
-            known.id, known.name, material.name
-        );
+        let begin = format!("label {} is called ", known.id);
+        let what =
+            format!("{begin}{:?} and {:?}: the first name is kept", known.name, material.name);
+        // Once is enough for a label, however many sections come over time.
+        if !rules.strict && self.warnings.iter().any(|warning| warning.what.starts_with(&begin)) {
+            return Ok(());
+        }
         warn(self, "", what, rules)
     }
 
@@ -197,7 +202,7 @@ fn same(what: &str, known: &mut String, new: &str, part: &Sections) -> Result<()
         new.clone_into(known);
     } else if !new.is_empty() && known != new {
         return Err(Error::Option(format!(
-            "{}: its {what} is {new:?}, that of the files before is {known:?}: convert one",
+            "{}: the {what} is {new:?}, that of the files before is {known:?}: convert one",
             part.first_file()
         )));
     }

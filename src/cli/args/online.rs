@@ -1,0 +1,87 @@
+//! The arguments of `transect online`.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use glam::DVec3;
+
+use super::{MethodArguments, PictureArguments, ReadingArguments, positive};
+use crate::plane::Bounds;
+
+#[derive(Debug, Args)]
+pub struct OnlineArguments {
+    /// Section files to begin with: .csl, .contour, .json
+    #[arg(value_name = "SECTIONS", conflicts_with = "watch")]
+    pub sections: Vec<PathBuf>,
+    /// Follow the section files of this folder as they appear, change and go, instead of commands on standard input
+    #[arg(long, value_name = "DIR")]
+    pub watch: Option<PathBuf>,
+    /// With --watch: end after so many seconds in which nothing happened [default: go on until Ctrl-C]
+    #[arg(long, value_name = "SECONDS", requires = "watch", value_parser = seconds)]
+    pub idle: Option<Duration>,
+    /// Write every change to this file, and to disk, before it is acknowledged
+    #[arg(long, value_name = "FILE")]
+    pub journal: Option<PathBuf>,
+    /// Go on from the last change in the journal, if it holds any
+    #[arg(long, requires = "journal")]
+    pub resume: bool,
+    /// Write the result of every change into this folder, as frame_000001 and so on
+    #[arg(long, value_name = "DIR")]
+    pub emit: Option<PathBuf>,
+    /// What kind of file the results of changes are
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = FrameKind::Ply, requires = "emit")]
+    pub emit_kind: FrameKind,
+    /// An output file, written at the end, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// The box that is filled, which no contour may leave. With --method mvc only what a change touches in it is evaluated again [default: what the sections fill, anew with every change]
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = bounds)]
+    pub bounds: Option<Bounds>,
+    #[command(flatten)]
+    pub method: MethodArguments,
+    /// Threads [default: as many as there are processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub threads: Option<u32>,
+    /// Grids of .vdb files, separated by commas: surface, density, label, surface_<label>, indicator_<label>, evidence, margin; * for every label
+    #[arg(
+        long,
+        value_name = "NAME,...",
+        value_delimiter = ',',
+        default_value = "surface,density,label,surface_*"
+    )]
+    pub grids: Vec<String>,
+    /// Write the report as JSON, at the end
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub picture: PictureArguments,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    /// No warnings, no table
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FrameKind {
+    Ply,
+    Vdb,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    Duration::try_from_secs_f64(positive(text)?).map_err(|error| error.to_string())
+}
+
+fn bounds(text: &str) -> Result<Bounds, String> {
+    let numbers = text.split(',').map(|number| number.trim().parse::<f64>().ok());
+    let numbers: Option<Vec<f64>> =
+        numbers.map(|number| number.filter(|n| n.is_finite())).collect();
+    let [x0, y0, z0, x1, y1, z1] =
+        numbers.and_then(|numbers| numbers.try_into().ok()).ok_or("six numbers are needed")?;
+    let (min, max) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
+    if !min.cmplt(max).all() {
+        return Err("the first corner must be below the second in x, y and z".to_owned());
+    }
+    Ok(Bounds { min, max })
+}

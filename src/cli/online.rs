@@ -1,0 +1,340 @@
+//! `transect online`: sections that come one by one, as commands or as files.
+
+use std::io::{self, BufRead};
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::args::{MethodArguments, OnlineArguments, ReadingArguments};
+use super::frames::Frames;
+use super::method::method;
+use super::replies::{Cause, Reply, What, reply};
+use super::results::{Results, picture_options};
+use super::targets::Target;
+use super::{print_found, table, write_json};
+use crate::error::{Error, Result};
+use crate::io::vdb::GridName;
+use crate::io::{read_all, read_part};
+use crate::model::Options;
+use crate::online::answer::Answer;
+use crate::online::command::{self, Act, Command, Edit};
+use crate::online::folder::{self, Folder, Found, Refusal};
+use crate::online::{Resumed, Session};
+use crate::output::Outputs;
+use crate::plane::Bounds;
+use crate::progress::Silent;
+use crate::report::Report;
+use crate::stage::Stages;
+
+/// How often a folder is looked at.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// Follows sections until there are no more, and writes what is asked for then.
+pub fn run(arguments: &OnlineArguments) -> Result<()> {
+    let mut online = Online::begin(arguments)?;
+    match &arguments.watch {
+        Some(path) => online.follow_folder(path)?,
+        None => online.follow_commands(io::stdin().lock())?,
+    }
+    online.finish()
+}
+
+/// A session with whoever is told about it.
+struct Online<'a> {
+    arguments: &'a OnlineArguments,
+    session: Session,
+    frames: Option<Frames>,
+    grids: Vec<GridName>,
+    /// What is written at the end.
+    targets: Vec<Target>,
+}
+
+/// The options as the user gave them.
+#[derive(Serialize)]
+struct Words<'a> {
+    #[serde(flatten)]
+    method: &'a MethodArguments,
+    bounds: Option<[[f64; 3]; 2]>,
+    #[serde(flatten)]
+    reading: &'a ReadingArguments,
+}
+
+impl<'a> Online<'a> {
+    fn begin(arguments: &'a OnlineArguments) -> Result<Self> {
+        let OnlineArguments { bounds, reading, emit, emit_kind, .. } = arguments;
+        let (method, resolution) =
+            (method(&arguments.method, false)?, arguments.method.grid.resolution());
+        let options = Options { method, resolution, bounds: *bounds };
+        let targets = arguments.output.iter().map(|path| Target::new(path));
+        let targets = targets.collect::<Result<Vec<_>>>()?;
+        let grids = arguments.grids.iter().map(|name| name.trim().parse());
+        let grids = grids.collect::<Result<Vec<_>>>()?;
+        let is_written = !targets.is_empty() || arguments.report.is_some();
+        if is_written && arguments.watch.is_some() && arguments.idle.is_none() {
+            let what = "a folder is watched until Ctrl-C, and nothing is written then: add --idle \
+                        SECONDS, or leave --output and --report out";
+            return Err(Error::Option(what.to_owned()));
+        }
+        // They are written much later, but what is wrong with them is told now.
+        reserve(&targets, arguments)?;
+        super::limit_threads(arguments.threads)?;
+        let frames = emit.as_ref().map(|path| Frames::new(path, *emit_kind, arguments.resume));
+        let frames = frames.transpose()?;
+        let mut stages = Stages::default();
+        let (session, resumed) = session(arguments, options, &mut stages)?;
+        let mut online = Self { arguments, session, frames, grids, targets };
+        if let Some(resumed) = &resumed {
+            online.tell_resumed(resumed)?;
+        }
+        if online.session.changes() == 0 && !arguments.sections.is_empty() {
+            let mut stages = Stages::default();
+            let sections =
+                stages.run("read", |_| read_all(&arguments.sections, &reading.rules()))?;
+            let act = Act::Edit(Box::new(Edit::Add(sections)));
+            online.act(Cause::Line(0), act, stages)??;
+        }
+        Ok(online)
+    }
+
+    fn tell_resumed(&self, resumed: &Resumed) -> Result<()> {
+        let mut resumed = resumed.clone();
+        if resumed.changes > 0 && !self.arguments.sections.is_empty() {
+            let what = "the journal holds changes, so the files to begin with are not read again";
+            resumed.warnings.push(what.to_owned());
+        }
+        if !self.arguments.quiet {
+            resumed.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        }
+        // It may be that the last change was made, but its frame was not.
+        let frame = self.write_frame()?;
+        let journal = self.arguments.journal.as_deref().unwrap_or(Path::new(""));
+        reply(&Reply {
+            to: Cause::Resumed(journal),
+            what: What::Resumed(&resumed),
+            frame: frame.as_deref(),
+        })
+    }
+
+    /// Commands, a line each, until there are no more.
+    fn follow_commands(&mut self, mut input: impl BufRead) -> Result<()> {
+        let failed = |error| Error::Option(format!("standard input cannot be read: {error}"));
+        let (mut line, mut number) = (Vec::new(), 0);
+        while input.read_until(b'\n', &mut line).map_err(failed)? > 0 {
+            number += 1;
+            if !line.trim_ascii().is_empty() {
+                self.obey(number, &line)?;
+            }
+            line.clear();
+        }
+        Ok(())
+    }
+
+    fn obey(&mut self, number: u64, line: &[u8]) -> Result<()> {
+        let mut stages = Stages::default();
+        let command = stages.run("read", |_| {
+            let text = std::str::from_utf8(line).map_err(|error| {
+                Error::Option(format!("byte {} is no UTF-8", error.valid_up_to()))
+            })?;
+            let place = format!("line {number}");
+            command::parse(text, Path::new(&place), self.session.rules())
+        });
+        let to = Cause::Line(number);
+        let written = match command {
+            Ok(Command::Act(act)) => return self.act(to, act, stages).map(|_| ()),
+            Ok(Command::Save(path)) => self.save(&path, &mut stages).map(|()| path),
+            Ok(Command::Report(path)) => self.save_report(&path, &mut stages).map(|()| path),
+            Err(error) => Err(error),
+        };
+        let what = match &written {
+            Ok(path) => What::Written { written: path, stages: &stages.stages },
+            Err(error) => What::refused(error),
+        };
+        reply(&Reply { to, what, frame: None })
+    }
+
+    /// Changes the model and answers; what is refused is within.
+    fn act(&mut self, to: Cause, act: Act, mut stages: Stages) -> Result<Result<()>> {
+        match self.change(act, &mut stages)? {
+            Ok(answer) => self.tell(to, answer).map(Ok),
+            Err(error) => {
+                reply(&Reply { to, what: What::refused(&error), frame: None })?;
+                Ok(Err(error))
+            }
+        }
+    }
+
+    /// The files of a folder, for as long as there is something to do.
+    fn follow_folder(&mut self, path: &Path) -> Result<()> {
+        let mut folder = Folder::new(path, self.session.model())?;
+        let mut last = Instant::now();
+        while self.arguments.idle.is_none_or(|idle| last.elapsed() < idle) {
+            let found = folder.look()?;
+            for file in &found {
+                if self.follow_file(&mut folder, file)? {
+                    last = Instant::now();
+                }
+            }
+            thread::sleep(INTERVAL);
+        }
+        Ok(())
+    }
+
+    /// Whether there was something to tell.
+    fn follow_file(&mut self, folder: &mut Folder, file: &Found) -> Result<bool> {
+        let (name, mut stages) = (file.name.as_str(), Stages::default());
+        let to = Cause::File(name);
+        let read = |path: &PathBuf| stages.run("read", |_| read_part(path, self.session.rules()));
+        let sections = match file.path.as_ref().map(read).transpose() {
+            Ok(sections) => sections,
+            Err(error) => {
+                let what = What::refused(&error);
+                let is_told = folder.refuse(name, &Refusal::Unread(error));
+                if is_told {
+                    reply(&Reply { to, what, frame: None })?;
+                }
+                return Ok(is_told);
+            }
+        };
+        let Some(edit) = folder::edit(self.session.model(), name, sections) else {
+            folder.settle(name);
+            return Ok(false);
+        };
+        match self.change(Act::Edit(Box::new(edit)), &mut stages)? {
+            Ok(answer) => {
+                folder.accept(name);
+                self.tell(to, answer)?;
+                Ok(true)
+            }
+            Err(error) => {
+                let what = What::refused(&error);
+                let is_told = folder.refuse(name, &Refusal::Unfit(error));
+                if is_told {
+                    reply(&Reply { to, what, frame: None })?;
+                }
+                Ok(is_told)
+            }
+        }
+    }
+
+    /// Changes the model. Failures of the program itself are on the outside, what is refused
+    /// within.
+    fn change(&mut self, act: Act, stages: &mut Stages) -> Result<Result<Answer>> {
+        match self.session.act(act, stages) {
+            Err(error) if self.session.is_broken() => Err(error),
+            other => Ok(other),
+        }
+    }
+
+    /// Acknowledges a change that was made.
+    fn tell(&self, to: Cause, answer: Answer) -> Result<()> {
+        let frame = self.write_frame()?;
+        reply(&Reply { to, what: What::Changed(Box::new(answer)), frame: frame.as_deref() })
+    }
+
+    /// The frame of the model as it is; without sections there is none.
+    fn write_frame(&self) -> Result<Option<PathBuf>> {
+        match &self.frames {
+            Some(frames) if self.session.model().derived().is_some() => {
+                frames.write(self.session.changes(), &self.results()?).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn results(&self) -> Result<Results<'_>> {
+        let model = self.session.model();
+        let picture = picture_options(&self.arguments.picture, &model.sections().materials)?;
+        Results::new(model, &self.grids, picture)
+    }
+
+    /// Writes the result as it is now.
+    fn save(&self, path: &Path, stages: &mut Stages) -> Result<()> {
+        let target = Target::new(path)?;
+        let mut outputs = Outputs::default();
+        self.write_targets(std::slice::from_ref(&target), &mut outputs, stages)?;
+        outputs.commit()
+    }
+
+    /// Writes the report on what the model is now.
+    fn save_report(&self, path: &Path, stages: &mut Stages) -> Result<()> {
+        let mut outputs = Outputs::reserve([path])?;
+        let report = self.write_targets(&[], &mut outputs, stages)?;
+        outputs.write(path, |out| write_json(path, &report, out))?;
+        outputs.commit()
+    }
+
+    /// Checks and writes what the model is now.
+    fn write_targets(
+        &self,
+        targets: &[Target],
+        outputs: &mut Outputs,
+        stages: &mut Stages,
+    ) -> Result<Report> {
+        let (model, results) = (self.session.model(), self.results()?);
+        for target in targets {
+            let files = target.files(&model.sections().materials)?;
+            files.iter().try_for_each(|(path, _)| outputs.add(path))?;
+        }
+        let checked = results.check(stages, &Silent)?;
+        for target in targets {
+            stages.run(target.kind.stage(), |_| results.write(outputs, target))?;
+        }
+        Ok(Report::new(model, results.derived(), checked, stages))
+    }
+
+    /// What is asked for at the end.
+    fn finish(&self) -> Result<()> {
+        let report_path = self.arguments.report.as_deref();
+        if self.targets.is_empty() && report_path.is_none() {
+            return Ok(());
+        }
+        let mut stages = Stages::default();
+        let mut outputs = Outputs::reserve(report_path)?;
+        let report = self.write_targets(&self.targets, &mut outputs, &mut stages)?;
+        if let Some(path) = report_path {
+            outputs.write(path, |out| write_json(path, &report, out))?;
+        }
+        outputs.commit()?;
+        if !self.arguments.quiet {
+            print_found(&report.check.warnings(&report.materials));
+            table::print(&report);
+        }
+        Ok(())
+    }
+}
+
+/// The session, and what its journal held.
+fn session(
+    arguments: &OnlineArguments,
+    options: Options,
+    stages: &mut Stages,
+) -> Result<(Session, Option<Resumed>)> {
+    let rules = arguments.reading.rules();
+    let Some(path) = &arguments.journal else { return Ok((Session::new(options, rules), None)) };
+    let words = words(arguments)?;
+    if !arguments.resume {
+        return Ok((Session::begin(options, rules, path, &words)?, None));
+    }
+    let (session, resumed) = Session::resume(options, rules, path, &words, stages)?;
+    Ok((session, Some(resumed)))
+}
+
+fn words(arguments: &OnlineArguments) -> Result<Value> {
+    let words = Words {
+        method: &arguments.method,
+        bounds: arguments.bounds.map(|Bounds { min, max }| [min, max].map(|it| it.to_array())),
+        reading: &arguments.reading,
+    };
+    serde_json::to_value(words)
+        .map_err(|error| Error::Bug { stage: "journal", what: error.to_string() })
+}
+
+/// Makes sure that what is written at the end can be, and that no two names are the same.
+fn reserve(targets: &[Target], arguments: &OnlineArguments) -> Result<()> {
+    let known = arguments.output.iter().zip(targets).filter(|(_, target)| !target.is_pattern());
+    let known = known.map(|(path, _)| path).chain(&arguments.report);
+    Outputs::reserve(known.map(|path| path.as_path())).map(|_| ())
+}
