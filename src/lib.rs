@@ -27,6 +27,8 @@
 //! the [`skeleton`](mod@skeleton), a surface made by that principle in rational
 //! arithmetic; [`crosscheck`](mod@crosscheck) holds the two ways against each other.
 //!
+//! Sections that come one by one, with a journal of their changes, are [`online`].
+//!
 //! `docs/architecture.md` says why.
 
 mod capping;

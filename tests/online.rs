@@ -502,9 +502,13 @@ fn every_change_leaves_a_frame_and_numbers_go_on() {
     let output = run(online(path, &["--emit", "frames"]).stdin(Stdio::null()));
     assert_refused(&output, &["frames", "another folder"]);
 
-    let mut volumes = Online::start(path, &["--emit", "v", "--emit-kind", "vdb", "--quiet"]);
+    let options = ["--emit", "v", "--emit-kind", "vdb", "--labels", "7", "--quiet"];
+    let mut volumes = Online::start(path, &options);
     let answer = volumes.does(json!({"add": square("a", 0, -0.4, 1.0, 1)}));
     assert_eq!(answer["frame"], "v/frame_000001.vdb");
+    // Only pictures need a material that is not there yet.
+    volumes.refuses(r#"{"save": "a.png"}"#, &["--labels", "\"7\""]);
+    volumes.does(json!({"save": "a.obj"}));
     let answer = volumes.does(json!({"remove": 0}));
     assert_eq!(answer.get("frame"), None, "nothing is left");
     assert_eq!(volumes.end().0, Some(0));

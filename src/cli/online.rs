@@ -13,7 +13,7 @@ use super::frames::Frames;
 use super::method::method;
 use super::replies::{Cause, Reply, What, reply};
 use super::results::{Results, picture_options};
-use super::targets::Target;
+use super::targets::{Kind, Target};
 use super::{print_found, table, write_json};
 use crate::error::{Error, Result};
 use crate::io::vdb::GridName;
@@ -24,6 +24,7 @@ use crate::online::command::{self, Act, Command, Edit};
 use crate::online::folder::{self, Folder, Found, Refusal};
 use crate::online::{Resumed, Session};
 use crate::output::Outputs;
+use crate::picture::PictureOptions;
 use crate::plane::Bounds;
 use crate::progress::Silent;
 use crate::report::Report;
@@ -170,10 +171,10 @@ impl<'a> Online<'a> {
     fn follow_folder(&mut self, path: &Path) -> Result<()> {
         let mut folder = Folder::new(path, self.session.model())?;
         let mut last = Instant::now();
-        while self.arguments.idle.is_none_or(|idle| last.elapsed() < idle) {
-            let found = folder.look()?;
-            for file in &found {
-                if self.follow_file(&mut folder, file)? {
+        let ends = |last: Instant| self.arguments.idle.is_some_and(|idle| last.elapsed() >= idle);
+        while !(ends(last) && folder.is_settled()) {
+            for file in folder.look()? {
+                if self.follow_file(&mut folder, &file)? {
                     last = Instant::now();
                 }
             }
@@ -185,18 +186,10 @@ impl<'a> Online<'a> {
     /// Whether there was something to tell.
     fn follow_file(&mut self, folder: &mut Folder, file: &Found) -> Result<bool> {
         let (name, mut stages) = (file.name.as_str(), Stages::default());
-        let to = Cause::File(name);
         let read = |path: &PathBuf| stages.run("read", |_| read_part(path, self.session.rules()));
         let sections = match file.path.as_ref().map(read).transpose() {
             Ok(sections) => sections,
-            Err(error) => {
-                let what = What::refused(&error);
-                let is_told = folder.refuse(name, &Refusal::Unread(error));
-                if is_told {
-                    reply(&Reply { to, what, frame: None })?;
-                }
-                return Ok(is_told);
-            }
+            Err(error) => return refuse(folder, name, Refusal::Unread(error)),
         };
         let Some(edit) = folder::edit(self.session.model(), name, sections) else {
             folder.settle(name);
@@ -205,17 +198,9 @@ impl<'a> Online<'a> {
         match self.change(Act::Edit(Box::new(edit)), &mut stages)? {
             Ok(answer) => {
                 folder.accept(name);
-                self.tell(to, answer)?;
-                Ok(true)
+                self.tell(Cause::File(name), answer).map(|()| true)
             }
-            Err(error) => {
-                let what = What::refused(&error);
-                let is_told = folder.refuse(name, &Refusal::Unfit(error));
-                if is_told {
-                    reply(&Reply { to, what, frame: None })?;
-                }
-                Ok(is_told)
-            }
+            Err(error) => refuse(folder, name, Refusal::Unfit(error)),
         }
     }
 
@@ -236,18 +221,14 @@ impl<'a> Online<'a> {
 
     /// The frame of the model as it is; without sections there is none.
     fn write_frame(&self) -> Result<Option<PathBuf>> {
+        let model = self.session.model();
         match &self.frames {
-            Some(frames) if self.session.model().derived().is_some() => {
-                frames.write(self.session.changes(), &self.results()?).map(Some)
+            Some(frames) if model.derived().is_some() => {
+                let results = Results::new(model, &self.grids, PictureOptions::default())?;
+                frames.write(self.session.changes(), &results).map(Some)
             }
             _ => Ok(None),
         }
-    }
-
-    fn results(&self) -> Result<Results<'_>> {
-        let model = self.session.model();
-        let picture = picture_options(&self.arguments.picture, &model.sections().materials)?;
-        Results::new(model, &self.grids, picture)
     }
 
     /// Writes the result as it is now.
@@ -273,9 +254,16 @@ impl<'a> Online<'a> {
         outputs: &mut Outputs,
         stages: &mut Stages,
     ) -> Result<Report> {
-        let (model, results) = (self.session.model(), self.results()?);
+        let model = self.session.model();
+        let materials = &model.sections().materials;
+        // Materials that pictures ask for need not be there as long as none is drawn.
+        let picture = match targets.iter().any(|target| target.kind == Kind::Picture) {
+            true => picture_options(&self.arguments.picture, materials)?,
+            false => PictureOptions::default(),
+        };
+        let results = Results::new(model, &self.grids, picture)?;
         for target in targets {
-            let files = target.files(&model.sections().materials)?;
+            let files = target.files(materials)?;
             files.iter().try_for_each(|(path, _)| outputs.add(path))?;
         }
         let checked = results.check(stages, &Silent)?;
@@ -304,6 +292,16 @@ impl<'a> Online<'a> {
         }
         Ok(())
     }
+}
+
+/// Tells why a file is not followed, unless that was told. Returns whether it was.
+fn refuse(folder: &mut Folder, name: &str, why: Refusal) -> Result<bool> {
+    let is_told = folder.refuse(name, &why);
+    if is_told {
+        let (Refusal::Unread(error) | Refusal::Unfit(error)) = &why;
+        reply(&Reply { to: Cause::File(name), what: What::refused(error), frame: None })?;
+    }
+    Ok(is_told)
 }
 
 /// The session, and what its journal held.

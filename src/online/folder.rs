@@ -100,6 +100,11 @@ impl Folder {
         Ok(found)
     }
 
+    /// Whether nothing that is known of is left to be looked at.
+    pub fn is_settled(&self) -> bool {
+        self.files.values().all(|known| known.is_done)
+    }
+
     /// The files that may hold sections. Names that begin with a dot or end in another way
     /// are somebody's temporary files.
     fn list(&self) -> Result<BTreeMap<String, Stamp>> {
