@@ -278,7 +278,7 @@ impl<'a> Solver<'a> {
             band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
             self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
             let leaves = enter(&mut making, band.clone(), &mut self.levels[number].grid);
-            let samples = self.samples_in(number, &leaves);
+            let samples = self.samples_in(number, &leaves, &band);
             let is_soft = (is_first || !is_last) && self.anchor.is_none();
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
             let pulls = self.pulls(number, &samples, targets.as_deref());
@@ -396,10 +396,19 @@ impl<'a> Solver<'a> {
             .collect()
     }
 
-    /// The plane samples that bear on some leaves.
-    fn samples_in(&self, number: usize, leaves: &[[i32; 3]]) -> Vec<PlaneSample> {
+    /// The plane samples in a band that bear on some of its leaves.
+    fn samples_in(
+        &self,
+        number: usize,
+        leaves: &[[i32; 3]],
+        band: &[[i32; 3]],
+    ) -> Vec<PlaneSample> {
         let Lattice { origin, voxel, .. } = self.levels[number].lattice;
-        let inside = self.leaves_before(number, leaves);
+        let mut inside = LeafSet::new(&self.levels[number].grid);
+        let near = self.leaves_before(number, leaves);
+        for &leaf in band.iter().filter(|leaf| near.has(**leaf)) {
+            inside.insert(leaf);
+        }
         let region = Region::Leaves { leaves: &inside, origin, side: f64::from(SIDE) * voxel };
         plane_samples(self.scene.sections, self.scene.space.bounds, voxel, region)
     }
