@@ -14,8 +14,8 @@ use std::time::Instant;
 use glam::DVec3;
 use rayon::prelude::*;
 use transect::change::Change;
-use transect::check::{self, check};
 use transect::complex::Complex;
+use transect::context::Context;
 use transect::error::{Error, Result};
 use transect::field::{Adapter, Boundaries, Cpu, Device, Field, Gpu, Queries, Reference, Run};
 use transect::grid::lattice::Resolution;
@@ -139,18 +139,15 @@ fn reconstruct(
     method: Method,
     change: impl FnOnce(Sections) -> Result<Sections>,
 ) -> Result<(Model, f64)> {
-    let mut stages = Stages::default();
-    let rules = Rules::default();
-    let sections = stages.run("read", |_| io::read_sections(file, &rules))?;
+    let mut context = Context::default();
+    let rules = context.rules;
+    let sections = context.stages.run("read", |_| io::read_sections(file, &rules))?;
     let sections = change(sections)?;
     let mut model = Model::new(Options { method, ..Options::default() });
-    model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
+    model.apply(Change::Add(sections), &mut context)?;
+    model.check(&mut context)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
-    stages.run("check", |_| {
-        let options = check::Options::default();
-        let samples = &derived.samples;
-        check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
-    })?;
+    let stages = context.stages;
     print!("{:<22}", name(file));
     STAGES.iter().for_each(|stage| print!("{:>12.3}", stages.seconds_of(stage)));
     println!(
@@ -170,12 +167,12 @@ fn growth(file: &Path) -> Result<()> {
     let sections = io::read_sections(file, &rules)?;
     let mut last = Stages::default();
     for voxels in GROWTH {
-        let mut stages = Stages::default();
+        let mut context = Context::default();
         let resolution = Resolution::Voxels(voxels);
         let mut model = Model::new(Options { resolution, ..Options::default() });
-        model.apply(Change::Add(sections.clone()), &rules, &mut stages, &Silent)?;
-        print!("{:>12.3}", stages.seconds_of("field"));
-        last = stages;
+        model.apply(Change::Add(sections.clone()), &mut context)?;
+        print!("{:>12.3}", context.stages.seconds_of("field"));
+        last = context.stages;
     }
     let an_unknown = last.seconds_of("field") / last.count_of("unknowns") as f64;
     println!("{:>24.3}", 1e6 * an_unknown);
@@ -190,9 +187,9 @@ fn exact_seconds(name: &str, model: &Model) -> Result<()> {
     let exact = skeleton(sections, bounds, &skeleton::Options::default(), &Silent)?;
     let seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let (added, rules) = (model.sections().clone(), Rules::default());
+    let added = model.sections().clone();
     let mut other = Model::new(*model.options());
-    other.apply(Change::Add(added), &rules, &mut Stages::default(), &Silent)?;
+    other.apply(Change::Add(added), &mut Context::default())?;
     let field = start.elapsed().as_secs_f64();
     let (cells, triangles) = (exact.details.cells, exact.mesh.triangles.len());
     println!(

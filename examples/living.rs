@@ -6,14 +6,13 @@
 use std::path::Path;
 
 use transect::change::Change;
+use transect::context::Context;
 use transect::error::{Error, Result};
 use transect::grid::lattice::Resolution;
 use transect::io::read_sections;
 use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
-use transect::progress::Silent;
 use transect::section::{Rules, Sections};
-use transect::stage::Stages;
 
 const STAGES: [&str; 5] = ["arrangement", "completion", "field", "smoothing", "mesh"];
 
@@ -35,12 +34,13 @@ fn main() -> Result<()> {
     STAGES.iter().for_each(|stage| print!("{stage:>12}"));
     println!("{:>12}{:>12}{:>12}", "cells", "touched", "evaluations");
     for section in &all.sections {
-        let mut stages = Stages::default();
+        let mut context = Context::default();
         let one = Sections { sections: vec![section.clone()], ..all.clone() };
-        if let Err(error) = model.apply(Change::Add(one), &rules, &mut stages, &Silent) {
+        if let Err(error) = model.apply(Change::Add(one), &mut context) {
             println!("{:<24}refused: {error}", section.name());
             continue;
         }
+        let stages = context.stages;
         print!("{:<24}", section.name());
         STAGES.iter().for_each(|stage| print!("{:>12.4}", stages.seconds_of(stage)));
         let counts = ["cells", "touched", "evaluations"].map(|what| stages.count_of(what));

@@ -30,18 +30,64 @@
 //! Sections that come one by one, with a journal of their changes, are [`online`].
 //!
 //! `docs/architecture.md` says why.
+//!
+//! # In a program
+//!
+//! A [`Model`] follows its sections: they are added, replaced and removed, and after each
+//! [`Change`] the surface and the volume are there.
+//!
+//! ```
+//! use transect::{Bounds, Change, Context, DVec3, Label, Method, Model, Options, Plane};
+//! use transect::{Resolution, Rules, Section, Sections};
+//!
+//! // Three discs around the z axis.
+//! let rules = Rules::default();
+//! let disc = |height: f64, radius: f64| {
+//!     let plane = Plane { normal: DVec3::Z, offset: height };
+//!     let corner = |step: i32| {
+//!         let (sin, cos) = (0.1 * f64::from(step)).sin_cos();
+//!         DVec3::new(radius * cos, radius * sin, height)
+//!     };
+//!     Section::builder(format!("z = {height}"), plane)
+//!         .region(Label(1), (0..62).map(corner))
+//!         .build(&rules)
+//! };
+//! let discs = [disc(0.0, 1.0)?.0, disc(0.5, 0.8)?.0, disc(1.0, 0.5)?.0];
+//!
+//! let mut model = Model::new(Options {
+//!     method: Method::default(),
+//!     resolution: Resolution::Voxels(32),
+//!     // In a box that stays, a change costs what it concerns.
+//!     bounds: Some(Bounds { min: DVec3::new(-1.5, -1.5, -0.5), max: DVec3::new(1.5, 1.5, 1.5) }),
+//! });
+//! let mut context = Context::default();
+//! let ids = model.apply(Change::Add(Sections::new(discs.to_vec(), &rules)?), &mut context)?;
+//! let wide = model.derived().expect("a surface").mesh.surface(Label(1)).volume();
+//!
+//! model.apply(Change::Replace(ids[1], disc(0.5, 0.4)?.0), &mut context)?;
+//! let mesh = &model.derived().expect("a surface").mesh;
+//! assert!(mesh.surface(Label(1)).volume() < wide);
+//! // It is closed and faces outward, and there are figures about it.
+//! let check = model.check(&mut context)?;
+//! assert_eq!(check.labels[0].facts.components, 1);
+//! # Ok::<(), transect::Error>(())
+//! ```
+//!
+//! The modules say more: what a stage makes, files of every kind ([`io`]), measures
+//! ([`check`](mod@check), [`compare`](mod@compare)), the other ways from sections to a surface.
 
 mod capping;
 pub mod change;
 pub mod check;
-pub mod cli;
+mod cli;
 pub mod compare;
 pub mod complex;
 mod components;
+pub mod context;
 pub mod crosscheck;
 pub mod direction;
 pub mod error;
-pub mod ffi;
+mod ffi;
 pub mod field;
 mod gpu;
 pub mod grid;
@@ -50,13 +96,13 @@ pub mod io;
 pub mod label;
 mod living;
 pub mod mask;
-pub mod memory;
+mod memory;
 pub mod mesh;
 pub mod method;
 pub mod model;
 pub mod online;
 pub mod oracle;
-pub mod output;
+mod output;
 pub mod picture;
 pub mod plane;
 pub mod progress;
@@ -70,3 +116,25 @@ pub mod stage;
 pub mod sweep;
 pub mod variational;
 pub mod volume;
+
+pub use change::{Change, SectionId, Step};
+#[doc(hidden)]
+pub use cli::run;
+pub use compare::compare;
+pub use context::Context;
+pub use crosscheck::crosscheck;
+pub use error::{Error, Result};
+pub use field::Device;
+pub use glam::DVec3;
+pub use grid::lattice::Resolution;
+pub use grid::samples::Samples;
+pub use io::{read_all, read_sections};
+pub use label::{Label, Material};
+pub use mesh::Mesh;
+pub use method::{MeanValue, Method, Skeleton, Variational};
+pub use model::{Derived, Model, Options};
+pub use plane::{Bounds, Plane};
+pub use progress::{Progress, Silent};
+pub use report::Report;
+pub use section::{Rules, Section, Sections};
+pub use stage::Stages;

@@ -7,5 +7,5 @@ fn main() -> ExitCode {
     // ours wherever XDG_RUNTIME_DIR is unset.
     // SAFETY: no other thread runs yet.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
-    transect::cli::run()
+    transect::run()
 }

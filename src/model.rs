@@ -9,7 +9,9 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::capping::Capping;
 use crate::change::{Change, Given, Replaced, SectionId, Step};
+use crate::check::{self, Check, check};
 use crate::complex::Complex;
+use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
 use crate::grid::lattice::Resolution;
@@ -22,11 +24,12 @@ use crate::mesh::Mesh;
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::dual::dual;
 use crate::mesh::fairing::{FairingOptions, fair};
-use crate::method::{Fairing, MeanValue, Mesher, Method, Skeleton, Variational};
+use crate::method::{Caps, Fairing, MeanValue, Mesher, Method, Skeleton, Variational};
 use crate::oracle::Oracle;
 use crate::plane::{Bounds, Plane};
 use crate::progress::Progress;
-use crate::section::{Rules, Section, Sections};
+use crate::report::Report;
+use crate::section::{Section, Sections};
 use crate::skeleton::{Details, skeleton};
 use crate::stage::Stages;
 use crate::variational::smoothing::{KeptSmoothing, smoothed};
@@ -121,15 +124,8 @@ impl Model {
     /// When a section is not there, when there is no contour at all, when sections on one
     /// plane contradict each other, when the grid would not fit into memory, or when a stage
     /// fails.
-    pub fn apply(
-        &mut self,
-        change: Change,
-        rules: &Rules,
-        stages: &mut Stages,
-        progress: &dyn Progress,
-    ) -> Result<Vec<SectionId>> {
-        let added =
-            self.take(Step::Change(Box::new(change)), rules, stages, progress, || Ok(()))?;
+    pub fn apply(&mut self, change: Change, context: &mut Context) -> Result<Vec<SectionId>> {
+        let added = self.take(Step::Change(Box::new(change)), context, || Ok(()))?;
         Ok(added.unwrap_or_default())
     }
 
@@ -138,13 +134,8 @@ impl Model {
     ///
     /// # Errors
     /// As [`Model::apply`]; then the model stays as it was.
-    pub fn undo(
-        &mut self,
-        rules: &Rules,
-        stages: &mut Stages,
-        progress: &dyn Progress,
-    ) -> Result<bool> {
-        Ok(self.take(Step::Undo, rules, stages, progress, || Ok(()))?.is_some())
+    pub fn undo(&mut self, context: &mut Context) -> Result<bool> {
+        Ok(self.take(Step::Undo, context, || Ok(()))?.is_some())
     }
 
     /// Takes a step, as [`Model::apply`] and [`Model::undo`] do. Once everything is derived,
@@ -156,23 +147,21 @@ impl Model {
     pub fn take(
         &mut self,
         step: Step,
-        rules: &Rules,
-        stages: &mut Stages,
-        progress: &dyn Progress,
+        context: &mut Context,
         keep: impl FnOnce() -> Result<()>,
     ) -> Result<Option<Vec<SectionId>>> {
         let mut given = self.given.clone();
         match step {
             Step::Change(change) => {
-                let (added, replaced) = given.change(*change, rules)?;
-                self.become_what_follows(given, rules, stages, progress, keep)?;
+                let (added, replaced) = given.change(*change, &context.rules)?;
+                self.become_what_follows(given, context, keep)?;
                 self.remember(replaced);
                 Ok(Some(added))
             }
             Step::Undo => {
                 let Some(replaced) = self.past.back() else { return Ok(None) };
                 given.restore(replaced);
-                self.become_what_follows(given, rules, stages, progress, keep)?;
+                self.become_what_follows(given, context, keep)?;
                 self.past.pop_back();
                 Ok(Some(Vec::new()))
             }
@@ -187,21 +176,21 @@ impl Model {
     pub fn resume(
         options: Options,
         steps: impl IntoIterator<Item = Result<Step>>,
-        rules: &Rules,
-        stages: &mut Stages,
-        progress: &dyn Progress,
+        context: &mut Context,
     ) -> Result<Self> {
         let (mut model, mut given) = (Self::new(options), Given::default());
         for step in steps {
             match step? {
-                Step::Change(change) => model.remember(given.change(*change, rules)?.1),
+                Step::Change(change) => {
+                    model.remember(given.change(*change, &context.rules)?.1);
+                }
                 Step::Undo => {
                     let nothing = || Error::Option("there is no change to take back".to_owned());
                     given.restore(&model.past.pop_back().ok_or_else(nothing)?);
                 }
             }
         }
-        model.become_what_follows(given, rules, stages, progress, || Ok(()))?;
+        model.become_what_follows(given, context, || Ok(()))?;
         Ok(model)
     }
 
@@ -217,14 +206,13 @@ impl Model {
     fn become_what_follows(
         &mut self,
         given: Given,
-        rules: &Rules,
-        stages: &mut Stages,
-        progress: &dyn Progress,
+        context: &mut Context,
         keep: impl FnOnce() -> Result<()>,
     ) -> Result<()> {
+        let Context { rules, stages, progress } = context;
         let sections = given.merged(rules)?;
         let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let derive = |sections| derive(sections, &self.options, lasting, stages, progress);
+        let derive = |sections| derive(sections, &self.options, lasting, stages, *progress);
         let derived = sections.as_ref().map(derive).transpose()?;
         keep()?;
         self.derived = derived;
@@ -252,6 +240,39 @@ impl Model {
     /// What follows from the sections; `None` without any.
     pub fn derived(&self) -> Option<&Derived> {
         self.derived.as_ref()
+    }
+
+    /// The box on whose faces surfaces are open; with flat caps they are closed in them.
+    pub fn open(&self) -> Option<Bounds> {
+        let derived = self.derived.as_ref().filter(|_| self.options.method.caps() != Caps::Flat);
+        derived.and_then(|derived| derived.samples.open)
+    }
+
+    /// Measures the surface.
+    ///
+    /// # Errors
+    /// Without sections, when the check fails, and when it finds that a surface is not what it
+    /// must be: closed, oriented outward, without doubled edges.
+    pub fn check(&self, context: &mut Context) -> Result<Check> {
+        let nothing = || Error::Option("there is nothing to check: no section is left".to_owned());
+        let Derived { mesh, samples, .. } = self.derived().ok_or_else(nothing)?;
+        let Context { stages, progress, .. } = context;
+        let checked = stages.run("check", |_| {
+            // Cheap for the delaunay mesher's fewer triangles, and promised.
+            let self_intersections = !matches!(self.options.method.mesher(), Some(Mesher::Dual));
+            let options = check::Options { open: self.open(), self_intersections };
+            check(&self.sections.sections, mesh, samples, options, *progress)
+        })?;
+        match checked.fault(mesh) {
+            Some(what) => Err(Error::Bug { stage: "check", what }),
+            None => Ok(checked),
+        }
+    }
+
+    /// The report of what was derived and checked; `stages` says what that took. `None` without
+    /// sections.
+    pub fn report(&self, check: Check, stages: &Stages) -> Option<Report> {
+        Some(Report::new(self, self.derived()?, check, stages))
     }
 }
 

@@ -60,7 +60,7 @@ pub struct Report {
 
 impl Report {
     /// The report of a model that was derived and checked.
-    pub fn new(model: &Model, derived: &Derived, check: Check, stages: &Stages) -> Self {
+    pub(crate) fn new(model: &Model, derived: &Derived, check: Check, stages: &Stages) -> Self {
         let sections = model.sections();
         let mut warnings = sections.warnings.clone();
         warnings.extend(check.warnings(&sections.materials));

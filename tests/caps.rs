@@ -4,16 +4,15 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 use transect::change::Change;
-use transect::check::{Check, Options as CheckOptions, check};
+use transect::check::Check;
+use transect::context::Context;
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::{Mesh, delaunay};
 use transect::method::{Caps, MeanValue, Mesher, Method, Skeleton, Variational};
 use transect::model::{Derived, Model, Options};
 use transect::plane::Plane;
-use transect::progress::Silent;
 use transect::section::{Loop, Rules, Section, Sections};
-use transect::stage::Stages;
 
 /// Discs of radius 1 are so far apart, five of them.
 const SPACING: f64 = 0.5;
@@ -74,19 +73,16 @@ fn model(sections: Vec<Section>, method: Method, voxels: u32) -> Model {
         resolution: Resolution::Voxels(voxels),
         ..Options::default()
     });
-    let (rules, mut stages) = (Rules::default(), Stages::default());
-    let sections = Sections::new(sections, &rules).expect("sections");
-    model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
+    let mut context = Context::default();
+    let sections = Sections::new(sections, &context.rules).expect("sections");
+    model.apply(Change::Add(sections), &mut context).expect("it reconstructs");
     let samples = &model.derived().expect("something was derived").samples;
     samples.sanity_check().expect("sound samples");
     model
 }
 
 fn checked(model: &Model) -> Check {
-    let Derived { mesh, samples, .. } = model.derived().expect("something was derived");
-    let options = CheckOptions::default();
-    let found = check(&model.sections().sections, mesh, samples, options, &Silent);
-    let found = found.expect("it can be checked");
+    let found = model.check(&mut Context::default()).expect("it can be checked");
     assert!(found.is_sound());
     found
 }

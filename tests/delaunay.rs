@@ -5,6 +5,7 @@ mod common;
 use common::data;
 use glam::DVec3;
 use transect::change::Change;
+use transect::context::Context;
 use transect::io::read_sections;
 use transect::label::Label;
 use transect::mesh::Mesh;
@@ -13,7 +14,6 @@ use transect::mesh::nearest::Nearest;
 use transect::model::{Model, Options};
 use transect::progress::Silent;
 use transect::section::Rules;
-use transect::stage::Stages;
 
 /// Points on all triangles, about `step` apart.
 fn spread(mesh: &Mesh, step: f64) -> Vec<DVec3> {
@@ -54,9 +54,7 @@ fn elephant_has_good_triangles_at_the_same_surface() {
     let rules = Rules::default();
     let sections = read_sections(&path, &rules).expect("the file can be read");
     let mut model = Model::new(Options::default());
-    model
-        .apply(Change::Add(sections), &rules, &mut Stages::default(), &Silent)
-        .expect("it reconstructs");
+    model.apply(Change::Add(sections), &mut Context::default()).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");
     let mesh = delaunay(&derived.samples, &Limits::default(), &Silent).expect("it is meshed");
 

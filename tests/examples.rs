@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use transect::change::Change;
-use transect::check::{Check, Options as CheckOptions, check};
+use transect::check::Check;
+use transect::context::Context;
 use transect::grid::lattice::Resolution;
 use transect::io::read_all;
 use transect::mask::{Blobs, Mask, mask};
 use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
-use transect::progress::Silent;
 use transect::section::{Rules, Sections};
-use transect::stage::Stages;
 
 fn read(names: &[&str]) -> Sections {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
@@ -25,14 +24,9 @@ fn reconstruct(sections: Sections, voxels: u32, spacing: Option<f64>) -> Check {
     let resolution = Resolution::Voxels(voxels);
     let method = Method::MeanValue(MeanValue { spacing, ..MeanValue::default() });
     let mut model = Model::new(Options { method, resolution, ..Options::default() });
-    let mut stages = Stages::default();
-    let change = Change::Add(sections);
-    model.apply(change, &Rules::default(), &mut stages, &Silent).expect("it reconstructs");
-    let derived = model.derived().expect("something was derived");
-    let options = CheckOptions::default();
-    let samples = &derived.samples;
-    let check = check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
-        .expect("it can be checked");
+    let mut context = Context::default();
+    model.apply(Change::Add(sections), &mut context).expect("it reconstructs");
+    let check = model.check(&mut context).expect("it can be checked");
     assert!(check.is_sound());
     check
 }

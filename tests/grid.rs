@@ -56,7 +56,9 @@ fn reconstructs(name: &str, voxels: u32) {
     ));
     sampling.kept.samples.sanity_check().unwrap();
     clock.lap("checking");
-    let (samples, ..) = smoothed(&sampling.kept.samples, list, bounds, 1.0, &Silent).unwrap();
+    let samples = &sampling.kept.samples;
+    let solved = smoothed(samples, list, bounds, 1.0, (false, &mut None), &Silent).unwrap();
+    let samples = solved.samples;
     clock.lap("smoothing");
     samples.sanity_check().unwrap();
     clock.lap("checking");

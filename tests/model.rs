@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use transect::change::{Change, SectionId, Step};
+use transect::context::Context;
 use transect::error::{Error, Result};
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
@@ -10,9 +11,7 @@ use transect::mesh::nearest::Nearest;
 use transect::method::{MeanValue, Method, Skeleton};
 use transect::model::{MOST_UNDONE, Model, Options};
 use transect::plane::{Bounds, Plane};
-use transect::progress::Silent;
 use transect::section::{Loop, Rules, Section, Sections};
-use transect::stage::Stages;
 
 /// A square around the middle of an axis-parallel plane.
 fn square(name: &str, axis: usize, offset: f64, half: f64, label: u32) -> Section {
@@ -50,11 +49,11 @@ fn model(method: Method) -> Model {
 }
 
 fn apply(model: &mut Model, change: Change) -> Result<Vec<SectionId>> {
-    model.apply(change, &Rules::default(), &mut Stages::default(), &Silent)
+    model.apply(change, &mut Context::default())
 }
 
 fn undo(model: &mut Model) -> bool {
-    model.undo(&Rules::default(), &mut Stages::default(), &Silent).expect("it can be undone")
+    model.undo(&mut Context::default()).expect("it can be undone")
 }
 
 fn mesh(model: &Model) -> &Mesh {
@@ -205,20 +204,20 @@ fn evaluated() -> Model {
 fn in_a_box_only_what_a_section_touches_is_evaluated_again() {
     let all = squares();
     let (mut living, mut once) = (evaluated(), evaluated());
-    let (mut stages, mut ids) = (Stages::default(), Vec::new());
+    let (mut last, mut ids) = (Context::default(), Vec::new());
     for section in &all {
         let change = Change::Add(sections(std::slice::from_ref(section)));
-        stages = Stages::default();
-        let added = living.apply(change, &Rules::default(), &mut stages, &Silent).unwrap();
+        last = Context::default();
+        let added = living.apply(change, &mut last).unwrap();
         ids.extend(added);
     }
-    let mut offline = Stages::default();
-    let change = Change::Add(sections(&all));
-    once.apply(change, &Rules::default(), &mut offline, &Silent).unwrap();
+    let mut offline = Context::default();
+    once.apply(Change::Add(sections(&all)), &mut offline).unwrap();
     same_samples(&living, &once);
     // Below the section before the last, which is parallel, all is as it was.
-    assert!(4 * stages.count_of("evaluations") < 3 * offline.count_of("evaluations"));
-    assert!(stages.count_of("touched") < offline.count_of("touched"));
+    let [some, all_of_it] = [&last, &offline].map(|context| &context.stages);
+    assert!(4 * some.count_of("evaluations") < 3 * all_of_it.count_of("evaluations"));
+    assert!(some.count_of("touched") < all_of_it.count_of("touched"));
 
     // In turn each goes, and comes back as it was.
     for &id in &ids {
@@ -270,16 +269,15 @@ fn solved_where_a_section_concerns(method: Method) {
         let change = Change::Add(sections(std::slice::from_ref(section)));
         ids.extend(apply(&mut living, change).unwrap());
     }
-    let mut offline = Stages::default();
-    let change = Change::Add(sections(&all));
-    once.apply(change, &Rules::default(), &mut offline, &Silent).unwrap();
+    let mut offline = Context::default();
+    once.apply(Change::Add(sections(&all)), &mut offline).unwrap();
     assert_alike(&living, &once);
-    let unknowns = |stages: &Stages| stages.count_of("unknowns");
+    let unknowns = |context: &Context| context.stages.count_of("unknowns");
     // The less changes the less is solved for; the coarsest level is always.
-    let [mut less, mut nothing] = [Stages::default(), Stages::default()];
-    for (half, stages) in [(0.49, &mut less), (0.49, &mut nothing)] {
+    let [mut less, mut nothing] = [Context::default(), Context::default()];
+    for (half, context) in [(0.49, &mut less), (0.49, &mut nothing)] {
         let change = Change::Replace(ids[6], square("small", 2, 0.6, half, 1));
-        living.apply(change, &Rules::default(), stages, &Silent).unwrap();
+        living.apply(change, context).unwrap();
     }
     let counts = [&less, &nothing, &offline].map(unknowns);
     assert!(2 * counts[0] < counts[2] && 20 * counts[1] < counts[2], "{counts:?}");
@@ -323,8 +321,7 @@ fn a_step_that_cannot_be_kept_is_not_taken() {
     let added = Change::Add(sections(&[square("new", 1, -0.6, 1.0, 2)]));
     for step in [Step::Change(Box::new(added)), Step::Undo] {
         let full = || Err(Error::Option("the disk is full".to_owned()));
-        let stages = &mut Stages::default();
-        let error = living.take(step, &Rules::default(), stages, &Silent, full).unwrap_err();
+        let error = living.take(step, &mut Context::default(), full).unwrap_err();
         assert_eq!(error.to_string(), "the disk is full");
         assert_eq!(names(&living), names(&other));
         same_samples(&living, &other);
@@ -348,16 +345,14 @@ fn a_resumed_model_is_the_one_that_took_the_steps() {
     steps.push(change(Change::Replace(SectionId(0), square("less", 0, -0.4, 0.5, 1))));
     let mut lived = model(Method::default());
     for step in steps.clone() {
-        let stages = &mut Stages::default();
-        lived.take(step, &Rules::default(), stages, &Silent, || Ok(())).unwrap();
+        lived.take(step, &mut Context::default(), || Ok(())).unwrap();
     }
-    let (options, mut stages) = (*lived.options(), Stages::default());
-    let resume = |steps: Vec<Result<Step>>, stages: &mut Stages| {
-        Model::resume(options, steps, &Rules::default(), stages, &Silent)
-    };
-    let mut resumed = resume(steps.into_iter().map(Ok).collect(), &mut stages).unwrap();
+    let (options, mut context) = (*lived.options(), Context::default());
+    let steps = steps.into_iter().map(Ok);
+    let mut resumed = Model::resume(options, steps, &mut context).unwrap();
     // Derived once, and from the same: to the last bit.
-    assert_eq!(stages.stages.iter().filter(|stage| stage.name == "field").count(), 1);
+    let stages = &context.stages.stages;
+    assert_eq!(stages.iter().filter(|stage| stage.name == "field").count(), 1);
     loop {
         let ids = |model: &Model| model.given().map(|(id, _)| id).collect::<Vec<_>>();
         assert_eq!((ids(&resumed), names(&resumed)), (ids(&lived), names(&lived)));
@@ -370,7 +365,7 @@ fn a_resumed_model_is_the_one_that_took_the_steps() {
         }
     }
     for wrong in [vec![Ok(Step::Undo)], vec![Err(Error::Option("unread".to_owned()))]] {
-        assert!(resume(wrong, &mut stages).is_err());
+        assert!(Model::resume(options, wrong, &mut context).is_err());
     }
 }
 

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use transect::change::Change;
 use transect::check::{self, check};
+use transect::context::Context;
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::caps::CAP_TOLERANCE;
@@ -13,7 +14,6 @@ use transect::model::{Derived, Model, Options};
 use transect::plane::Plane;
 use transect::progress::Silent;
 use transect::section::{Loop, Rules, Section, Sections};
-use transect::stage::Stages;
 
 const RADIUS: f64 = 3.0;
 /// Sections at z = 0, 2, …, 10.
@@ -39,8 +39,7 @@ fn reconstructed(border: Label) -> Model {
     let method = Method::MeanValue(MeanValue { border, spacing, ..MeanValue::default() });
     let options = Options { method, resolution, ..Options::default() };
     let mut model = Model::new(options);
-    let (rules, mut stages) = (Rules::default(), Stages::default());
-    model.apply(Change::Add(pipe()), &rules, &mut stages, &Silent).expect("it reconstructs");
+    model.apply(Change::Add(pipe()), &mut Context::default()).expect("it reconstructs");
     model
 }
 

@@ -6,14 +6,12 @@ use std::collections::HashMap;
 
 use common::data;
 use transect::change::Change;
-use transect::check::{Check, Options as CheckOptions, check};
+use transect::check::Check;
+use transect::context::Context;
 use transect::io::read_sections;
 use transect::label::Label;
 use transect::mesh::Mesh;
 use transect::model::{Model, Options};
-use transect::progress::Silent;
-use transect::section::Rules;
-use transect::stage::Stages;
 
 const CSL: [&str; 9] = [
     "Abdomen",
@@ -31,16 +29,11 @@ const CONTOUR: [&str; 4] = ["liver", "mousebrain", "mug", "ringc"];
 /// Reconstructs with default options.
 fn reconstruct(file: &str) -> Option<(Model, Check)> {
     let path = data(file)?;
-    let rules = Rules::default();
-    let sections = read_sections(&path, &rules).expect("the file can be read");
+    let mut context = Context::default();
+    let sections = read_sections(&path, &context.rules).expect("the file can be read");
     let mut model = Model::new(Options::default());
-    let mut stages = Stages::default();
-    model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
-    let derived = model.derived().expect("something was derived");
-    let options = CheckOptions::default();
-    let samples = &derived.samples;
-    let check = check(&model.sections().sections, &derived.mesh, samples, options, &Silent)
-        .expect("it can be checked");
+    model.apply(Change::Add(sections), &mut context).expect("it reconstructs");
+    let check = model.check(&mut context).expect("it can be checked");
     Some((model, check))
 }
 

@@ -6,15 +6,13 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use transect::change::Change;
-use transect::check::{self, check};
+use transect::context::Context;
 use transect::label::Label;
 use transect::mesh::Mesh;
 use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
 use transect::plane::{Bounds, Plane};
-use transect::progress::Silent;
 use transect::section::{Edge, Rules, Section, Sections};
-use transect::stage::Stages;
 
 /// Centres and radii. The label of a domain has bit i set inside ball i.
 const BALLS: [([f64; 3], f64); 4] = [
@@ -188,12 +186,11 @@ fn all_domains_of_four_balls_come_back() {
         method: Method::MeanValue(MeanValue::default()),
         ..Options::default()
     });
-    let (rules, mut stages) = (Rules::default(), Stages::default());
-    model.apply(Change::Add(sections), &rules, &mut stages, &Silent).unwrap();
+    let mut context = Context::default();
+    model.apply(Change::Add(sections), &mut context).unwrap();
     let derived = model.derived().unwrap();
-    let (mesh, samples) = (&derived.mesh, &derived.samples);
-    let options = check::Options::default();
-    let found = check(&model.sections().sections, mesh, samples, options, &Silent).unwrap();
+    let mesh = &derived.mesh;
+    let found = model.check(&mut context).unwrap();
 
     assert_eq!(mesh.labels(), (1..16).map(Label).collect::<Vec<_>>());
     assert_eq!(found.labels.len(), 15);

@@ -4,15 +4,14 @@
 use std::path::Path;
 
 use transect::change::Change;
-use transect::check::{Check, Options as CheckOptions, check};
+use transect::check::Check;
+use transect::context::Context;
 use transect::grid::lattice::Resolution;
 use transect::io::json;
 use transect::mesh::facts::Facts;
 use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
-use transect::progress::Silent;
 use transect::section::Rules;
-use transect::stage::Stages;
 
 /// Reconstructs sections given as the entries of our JSON format.
 fn reconstruct(sections: &[String], voxels: u32) -> Check {
@@ -23,13 +22,9 @@ fn reconstruct(sections: &[String], voxels: u32) -> Check {
     let method = Method::MeanValue(MeanValue::default());
     let options = Options { method, resolution: Resolution::Voxels(voxels), ..Options::default() };
     let mut model = Model::new(options);
-    let mut stages = Stages::default();
-    model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
-    let derived = model.derived().expect("something was derived");
-    let options = CheckOptions::default();
-    let check =
-        check(&model.sections().sections, &derived.mesh, &derived.samples, options, &Silent)
-            .expect("it can be checked");
+    let mut context = Context::default();
+    model.apply(Change::Add(sections), &mut context).expect("it reconstructs");
+    let check = model.check(&mut context).expect("it can be checked");
     assert!(check.is_sound());
     check
 }

@@ -7,8 +7,9 @@ use std::f64::consts::{PI, TAU};
 use common::data;
 use glam::{DVec2, DVec3};
 use transect::change::Change;
-use transect::check::{Check, Options as CheckOptions, check};
+use transect::check::Check;
 use transect::compare::{self, compare};
+use transect::context::Context;
 use transect::grid::lattice::Resolution;
 use transect::io::mesh::read_mesh;
 use transect::io::read_sections;
@@ -19,7 +20,6 @@ use transect::model::{Model, Options};
 use transect::plane::Plane;
 use transect::progress::Silent;
 use transect::section::{Loop, Rules, Section, Sections};
-use transect::stage::Stages;
 
 /// A section of a ball of radius 1 around the origin, or of a cylinder: a circle of
 /// a radius around the foot of the origin.
@@ -54,8 +54,7 @@ fn model(sections: Sections, voxels: u32, border: Label) -> Model {
     let method = Method::Variational(Variational { border, ..Variational::default() });
     let resolution = Resolution::Voxels(voxels);
     let mut model = Model::new(Options { method, resolution, ..Options::default() });
-    let (rules, mut stages) = (Rules::default(), Stages::default());
-    model.apply(Change::Add(sections), &rules, &mut stages, &Silent).expect("it reconstructs");
+    model.apply(Change::Add(sections), &mut Context::default()).expect("it reconstructs");
     let samples = &model.derived().expect("something was derived").samples;
     samples.sanity_check().expect("sound samples");
     model
@@ -67,10 +66,7 @@ fn closed_model(sections: Vec<Section>, voxels: u32) -> Model {
 }
 
 fn checked(model: &Model) -> Check {
-    let derived = model.derived().expect("something was derived");
-    let (sections, options) = (&model.sections().sections, CheckOptions::default());
-    let found = check(sections, &derived.mesh, &derived.samples, options, &Silent);
-    let found = found.expect("it can be checked");
+    let found = model.check(&mut Context::default()).expect("it can be checked");
     assert!(found.is_sound());
     found
 }

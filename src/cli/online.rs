@@ -15,6 +15,7 @@ use super::replies::{Cause, Reply, What, reply};
 use super::results::{Results, picture_options};
 use super::targets::{Kind, Target};
 use super::{print_found, table, write_json};
+use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::io::vdb::GridName;
 use crate::io::{read_all, read_part};
@@ -266,7 +267,13 @@ impl<'a> Online<'a> {
             let files = target.files(materials)?;
             files.iter().try_for_each(|(path, _)| outputs.add(path))?;
         }
-        let checked = results.check(stages, &Silent)?;
+        let mut context = Context {
+            stages: std::mem::take(stages),
+            ..Context::new(*self.session.rules(), &Silent)
+        };
+        let checked = model.check(&mut context);
+        *stages = context.stages;
+        let checked = checked?;
         for target in targets {
             stages.run(target.kind.stage(), |_| results.write(outputs, target))?;
         }

@@ -8,6 +8,7 @@ use super::results::{Results, picture_options};
 use super::targets::{Kind, Target};
 use super::{print_found, print_warnings, table, write_json};
 use crate::change::Change;
+use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::io::exact::write_exact;
 use crate::io::{self};
@@ -15,7 +16,6 @@ use crate::model::{Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::report::Report;
 use crate::skeleton::Details;
-use crate::stage::Stages;
 
 /// Reconstructs and writes.
 pub fn run(arguments: &ReconstructArguments) -> Result<()> {
@@ -31,10 +31,10 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     super::limit_threads(arguments.threads)?;
 
     let watcher = Watcher::new(arguments.quiet);
-    let mut stages = Stages::default();
-    let rules = arguments.reading.rules();
+    let mut context = Context::new(arguments.reading.rules(), watcher.progress());
+    let Context { rules, stages, .. } = &mut context;
     let sections = stages.run("read", |counts| {
-        let sections = io::read_all(&arguments.sections, &rules)?;
+        let sections = io::read_all(&arguments.sections, rules)?;
         let vertices: usize = sections.sections.iter().map(|one| one.vertices().len()).sum();
         counts.insert("vertices".into(), vertices as u64);
         Ok(sections)
@@ -48,13 +48,14 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     }
     let picture = picture_options(&arguments.picture, &sections.materials)?;
     let mut model = Model::new(options);
-    model.apply(Change::Add(sections), &rules, &mut stages, watcher.progress())?;
+    model.apply(Change::Add(sections), &mut context)?;
     let results = Results::new(&model, &grids, picture)?;
-    let checked = results.check(&mut stages, watcher.progress())?;
+    let checked = model.check(&mut context)?;
+    let Context { mut stages, progress, .. } = context;
     for target in &targets {
         let stage = target.kind.stage();
         stages.run(stage, |_| {
-            watcher.progress().begin(stage, 0);
+            progress.begin(stage, 0);
             results.write(&mut outputs, target)
         })?;
     }

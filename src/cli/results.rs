@@ -1,25 +1,20 @@
-//! The results of a model, checked and written to files.
+//! The results of a model, written to files.
 
 use std::borrow::Cow;
 use std::path::Path;
 
 use super::args::PictureArguments;
 use super::targets::{Kind, Target};
-use crate::check::{self, Check, check};
 use crate::error::{Error, Result};
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
-use crate::method::{Caps, Mesher};
 use crate::model::{Derived, Model};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
-use crate::plane::Bounds;
-use crate::progress::Progress;
 use crate::section::Sections;
-use crate::stage::Stages;
 
 /// How many materials an error lists.
 const LISTED: usize = 20;
@@ -28,8 +23,6 @@ const LISTED: usize = 20;
 pub struct Results<'a> {
     model: &'a Model,
     derived: &'a Derived,
-    /// The box on whose faces surfaces are open.
-    open: Option<Bounds>,
     /// The network as it goes to files: without caps where the box is open.
     surfaces: Cow<'a, Mesh>,
     grids: &'a [GridName],
@@ -44,38 +37,17 @@ impl<'a> Results<'a> {
     pub fn new(model: &'a Model, grids: &'a [GridName], picture: PictureOptions) -> Result<Self> {
         let nothing = || Error::Option("there is nothing to write: no section is left".to_owned());
         let derived = model.derived().ok_or_else(nothing)?;
-        // With flat caps the surfaces are closed in the faces of an open box.
-        let open = derived.samples.open.filter(|_| model.options().method.caps() != Caps::Flat);
         let tolerance = CAP_TOLERANCE * derived.samples.lattice.voxel;
-        let surfaces = match open {
+        let surfaces = match model.open() {
             Some(bounds) => Cow::Owned(derived.mesh.without_caps(bounds, tolerance)),
             None => Cow::Borrowed(&derived.mesh),
         };
-        Ok(Self { model, derived, open, surfaces, grids, picture })
+        Ok(Self { model, derived, surfaces, grids, picture })
     }
 
     /// What follows from the sections.
     pub fn derived(&self) -> &'a Derived {
         self.derived
-    }
-
-    /// Measures the results.
-    ///
-    /// # Errors
-    /// When a stage fails, and when a surface is not what it must be.
-    pub fn check(&self, stages: &mut Stages, progress: &dyn Progress) -> Result<Check> {
-        let Self { model, derived, open, .. } = *self;
-        let checked = stages.run("check", |_| {
-            // Cheap for the delaunay mesher's fewer triangles, and promised.
-            let self_intersections = !matches!(model.options().method.mesher(), Some(Mesher::Dual));
-            let options = check::Options { open, self_intersections };
-            let Derived { mesh, samples, .. } = derived;
-            check(&model.sections().sections, mesh, samples, options, progress)
-        })?;
-        match checked.fault(&derived.mesh) {
-            Some(what) => Err(Error::Bug { stage: "check", what }),
-            None => Ok(checked),
-        }
     }
 
     /// Writes the files of a target, which are reserved.

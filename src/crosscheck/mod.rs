@@ -36,6 +36,7 @@ pub use report::{Crosscheck, Distances, Found, SkeletonReport};
 pub use solids::{LabelSolids, Solid};
 
 use crate::change::Change;
+use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::field::Device;
 use crate::grid::lattice::Resolution;
@@ -154,7 +155,10 @@ pub fn crosscheck(
     progress: &dyn Progress,
 ) -> Result<Findings> {
     let mut model = Model::new(model_options(options));
-    model.apply(Change::Add(sections), rules, stages, progress)?;
+    let mut context = Context { rules: *rules, progress, stages: std::mem::take(stages) };
+    let applied = model.apply(Change::Add(sections), &mut context);
+    *stages = context.stages;
+    applied?;
     let compared = Work { model: &model, options, progress }.compare(other, stages)?;
     let Compared { found, skeleton, pair, differing, depths, distances } = compared;
     let report = Crosscheck::new(&model, options.field, found, stages)?;

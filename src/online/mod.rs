@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::change::Step;
+use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::model::{Model, Options};
 use crate::progress::Silent;
@@ -121,7 +122,10 @@ impl Session {
                 }
             }
         });
-        let model = Model::resume(options, steps, &rules, stages, &Silent);
+        let mut context =
+            Context { stages: std::mem::take(stages), ..Context::new(rules, &Silent) };
+        let model = Model::resume(options, steps, &mut context);
+        *stages = context.stages;
         let model = model.map_err(|error| match error {
             Error::File { .. } => error,
             other => Error::input(path, format!("after {changes} changes"), other),
@@ -164,7 +168,11 @@ impl Session {
             kept = Some(start.elapsed().as_secs_f64());
             Ok(())
         };
-        let taken = self.model.take(step, &self.rules, stages, &Silent, keep)?;
+        let mut context =
+            Context { stages: std::mem::take(stages), ..Context::new(self.rules, &Silent) };
+        let taken = self.model.take(step, &mut context, keep);
+        *stages = context.stages;
+        let taken = taken?;
         if taken.is_none() {
             let what =
                 "there is no change to take back: the last ones are remembered, and no others";

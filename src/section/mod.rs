@@ -1,6 +1,7 @@
 //! Sections: labelled planar partitions, valid by construction.
 
 mod agreement;
+mod builder;
 mod draft;
 pub mod ends;
 mod extent;
@@ -27,6 +28,7 @@ use crate::label::{Label, Material};
 use crate::plane::Plane;
 
 pub use agreement::Disagreement;
+pub use builder::SectionBuilder;
 pub use ends::End;
 pub(crate) use extent::COVERED;
 pub use rectangle::Rectangle;

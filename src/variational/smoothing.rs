@@ -55,7 +55,7 @@ pub struct KeptSmoothing {
 ///
 /// # Errors
 /// When the surface has no area, or a backend fails; then nothing is kept.
-pub(crate) fn smoothed(
+pub fn smoothed(
     samples: &Samples,
     sections: &[Section],
     bounds: Bounds,

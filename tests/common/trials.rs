@@ -4,6 +4,7 @@
 use transect::change::Change;
 use transect::compare::normals::{Leaning, NormalOptions, leaning};
 use transect::compare::{self, Comparison, compare};
+use transect::context::Context;
 use transect::error::{Error, Result};
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
@@ -13,9 +14,8 @@ use transect::method::{MeanValue, Method, Skeleton};
 use transect::model::{Model, Options};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
-use transect::section::{Rules, Sections};
+use transect::section::Sections;
 use transect::slice::{Family, slice};
-use transect::stage::Stages;
 
 /// How near a section normals are compared, as a part of the longest side: two
 /// voxels at resolution 256, whatever the resolution is, and an eighth of what
@@ -90,12 +90,11 @@ pub struct Trial {
 /// # Errors
 /// When a step fails, or the planes miss the solid.
 pub fn trial(solid: &Mesh, planes: &[Plane], method: Method, voxels: u32) -> Result<Trial> {
-    let rules = Rules::default();
-    let sections = Sections::new(slice(solid, planes)?, &rules)?;
+    let mut context = Context::default();
+    let sections = Sections::new(slice(solid, planes)?, &context.rules)?;
     let resolution = Resolution::Voxels(voxels);
     let mut model = Model::new(Options { method, resolution, ..Options::default() });
-    let mut stages = Stages::default();
-    model.apply(Change::Add(sections), &rules, &mut stages, &Silent)?;
+    model.apply(Change::Add(sections), &mut context)?;
     let derived = model.derived().ok_or_else(|| Error::Option("nothing was derived".into()))?;
     let longest = solid.bounds().map_or(0.0, |bounds| bounds.size().max_element());
     let near = NormalOptions::within(REACH * longest);
@@ -103,6 +102,6 @@ pub fn trial(solid: &Mesh, planes: &[Plane], method: Method, voxels: u32) -> Res
         comparison: compare(&derived.mesh, solid, &compare::Options::default(), &Silent)?,
         facts: derived.mesh.surface_of(Label::is_material).facts(false)?,
         leaning: leaning(&derived.mesh, solid, planes, &near)?,
-        seconds: stages.seconds(),
+        seconds: context.stages.seconds(),
     })
 }

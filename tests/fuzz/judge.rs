@@ -7,6 +7,7 @@ use std::path::Path;
 use glam::DVec3;
 use transect::change::Change;
 use transect::check::{self, Check, check};
+use transect::context::Context;
 use transect::error::Error;
 use transect::grid::lattice::Resolution;
 use transect::io::read_sections;
@@ -18,7 +19,6 @@ use transect::model::{Derived, Model, Options};
 use transect::oracle::Oracle;
 use transect::progress::Silent;
 use transect::section::{Overlap, Rules, Section, Sections};
-use transect::stage::Stages;
 
 use super::random::Random;
 
@@ -121,13 +121,12 @@ fn refused(error: &Error) -> Verdict {
 }
 
 fn reconstruct(sections: Sections, method: Method) -> Result<Made, Error> {
-    let rules = Rules::default();
     let mut model = Model::new(Options {
         method,
         resolution: Resolution::Voxels(VOXELS),
         ..Options::default()
     });
-    model.apply(Change::Add(sections), &rules, &mut Stages::default(), &Silent)?;
+    model.apply(Change::Add(sections), &mut Context::default())?;
     let Some(Derived { mesh, samples, .. }) = model.derived() else {
         return Err(Error::Bug { stage: "model", what: "nothing was derived".to_owned() });
     };

@@ -5,14 +5,14 @@ use glam::DVec2;
 use super::*;
 use crate::change::Change;
 use crate::check::shapes::{disc, section};
+use crate::context::Context;
 use crate::grid::lattice::Resolution;
 use crate::mesh::nearest::Nearest;
 use crate::mesh::shapes::assert_edge_manifold;
 use crate::method::{MeanValue, Method};
 use crate::model::{Model, Options};
 use crate::plane::Plane;
-use crate::section::{Edge, Rules, Sections};
-use crate::stage::Stages;
+use crate::section::{Edge, Sections};
 
 const LABEL: Label = Label(1);
 
@@ -38,7 +38,7 @@ impl Made {
             Model::new(Options { method: Method::MeanValue(method), resolution, bounds: None });
         let sections = Sections { sections: sections.to_vec(), ..Sections::default() };
         let change = Change::Add(sections);
-        model.apply(change, &Rules::default(), &mut Stages::default(), &Silent).unwrap();
+        model.apply(change, &mut Context::default()).unwrap();
         let derived = model.derived().unwrap();
         derived.samples.sanity_check().unwrap();
         Self { samples: derived.samples.clone(), mesh: derived.mesh.clone() }
