@@ -88,9 +88,9 @@ struct Solver<'a> {
     label: Label,
     outline: Outline,
     levels: Vec<Level>,
-    /// What it is drawn to, and the signed distances from it on the levels up to the first one
-    /// that is solved. On finer ones it would draw waves that are much longer than what is
-    /// still to be mended there.
+    /// What it is drawn to, and the signed distances from it on the levels that are solved to
+    /// the end, up to the first in a band. On finer ones it would draw waves that are much
+    /// longer than what is still to be mended there.
     anchor: Option<Anchor<'a>>,
     anchored: Vec<LeafGrid>,
     effort: Effort,
@@ -168,8 +168,9 @@ impl<'a> Solver<'a> {
 
     /// Adds a level without values.
     fn push(&mut self, level: Level) -> Result<()> {
-        let anchor = self.anchor.as_ref().filter(|_| self.starts_at_anchor(self.levels.len()));
-        if let Some(anchor) = anchor {
+        let number = self.levels.len();
+        let is_drawn = number <= self.scene.space.whole || self.starts_at_anchor(number);
+        if let Some(anchor) = self.anchor.as_ref().filter(|_| is_drawn) {
             self.anchored.push(match self.levels.is_empty() {
                 true => anchor.everywhere(&level, self.scene.is_open)?,
                 false => anchor.band(&level),
@@ -207,8 +208,10 @@ impl<'a> Solver<'a> {
 
     /// What is to be kept of a level, if anything is.
     fn making(&self, number: usize) -> Option<Making<'a>> {
+        // Where it does not start from what draws it, a start does not tell of changes there.
+        let is_told = self.starts_at_anchor(number) || self.anchored.get(number).is_none();
         let new = || Making::new(self.before, self.label, number, &self.levels[number]);
-        self.scene.keeps.then(new)
+        (self.scene.keeps && is_told).then(new)
     }
 
     /// Keeps what there is of the last level.
