@@ -47,6 +47,9 @@ const FAIR_EDGE: f64 = 0.0065;
 /// thin limbs get narrower between the sections.
 const FAIRING_STEPS: u32 = 400;
 
+/// Of a given box: products of three are still numbers.
+const LARGEST_COORDINATE: f64 = 1e75;
+
 /// How many changes can be taken back, one after the other.
 pub const MOST_UNDONE: usize = 64;
 
@@ -289,19 +292,37 @@ pub(crate) fn bounds_of(sections: &Sections) -> Result<Bounds> {
 /// The given box.
 ///
 /// # Errors
-/// When a contour leaves it, or as [`bounds_of`].
+/// When it has no size that can be squared, when a contour leaves it, when a section lies in
+/// one of its faces, where nothing is on its other side, or as [`bounds_of`].
 fn require_within(sections: &Sections, bounds: Bounds) -> Result<Bounds> {
     bounds_of(sections)?;
-    let leaves = |section: &&Section| {
-        section.segments().flatten().any(|point| point.clamp(bounds.min, bounds.max) != point)
-    };
-    match sections.sections.iter().find(leaves) {
-        None => Ok(bounds),
-        Some(section) => Err(Error::Section {
-            section: section.name().to_owned(),
-            what: format!("it leaves the box from {} to {}", bounds.min, bounds.max),
-        }),
+    let Bounds { min, max } = bounds;
+    let is_finite = min.is_finite() && max.is_finite();
+    if !is_finite || min.abs().max(max.abs()).max_element() > LARGEST_COORDINATE {
+        let what = format!(
+            "the box from {min} to {max}: coordinates must be finite and below \
+             {LARGEST_COORDINATE:e}"
+        );
+        return Err(Error::Option(what));
     }
+    for section in &sections.sections {
+        let points = || section.segments().flatten();
+        let is_in_face = (0..3).any(|axis| {
+            [min, max].iter().any(|end| points().all(|point| point[axis] == end[axis]))
+        });
+        let what = if points().any(|point| point.clamp(min, max) != point) {
+            "leaves"
+        } else if is_in_face && points().next().is_some() {
+            "lies in a face of"
+        } else {
+            continue;
+        };
+        return Err(Error::Section {
+            section: section.name().to_owned(),
+            what: format!("it {what} the box from {min} to {max}: choose a larger box"),
+        });
+    }
+    Ok(bounds)
 }
 
 /// What methods derive from.

@@ -294,7 +294,7 @@ fn a_torn_record_is_told_and_dropped_and_damage_is_an_error() {
     let mut online = Online::start(path, &resume);
     let answer = online.answer();
     assert_eq!(listed(&answer["sections"]), pairs(&[(0, "a"), (1, "b")]));
-    let told = "cut short, and no change in it acknowledged: dropped";
+    let told = "the last record of the journal is cut short or damaged: dropped";
     assert!(answer["warnings"][0].as_str().is_some_and(|warning| warning.contains(told)));
     online.does(json!({"add": square("c", 2, 0.1, 1.0, 1)}));
     let (status, errors) = online.end();

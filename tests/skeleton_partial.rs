@@ -63,6 +63,32 @@ fn body(mesh: &Mesh, label: u32) -> f64 {
     mesh.surface(Label(label)).volume()
 }
 
+/// Two sections that know all of their planes contradict each other along the line in which
+/// these meet: every cell around it has surfaces that end on it, and a partial section ends
+/// some of them in a point that the others have to know.
+#[test]
+fn beside_sections_that_contradict_each_other() {
+    let along = |normal: DVec3, offset: f64, points: &[[f64; 3]]| {
+        let points = points.iter().copied().map(DVec3::from_array);
+        let builder = Section::builder("whole", Plane { normal, offset });
+        builder.region(Label(1), points).build(&Rules::default()).expect("a section").0
+    };
+    let square = [[-0.8, -0.8, 0.25], [0.8, -0.8, 0.25], [0.8, 0.6, 0.25], [-0.8, 0.6, 0.25]];
+    let triangle = [[0.0, -0.7, 0.7], [0.0, 0.7, 0.7], [0.0, 0.7, -0.7]];
+    let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.75], [-0.5, 0.75]];
+    let nothing = Section::builder("partial", Plane { normal: DVec3::Y, offset: -0.5 })
+        .within(corners.map(|[x, z]| DVec3::new(x, -0.5, z)))
+        .build(&Rules::default());
+    let sections = [
+        along(DVec3::Z, 0.25, &square),
+        along(DVec3::X, 0.0, &triangle),
+        nothing.expect("a section").0,
+    ];
+    let mesh = reconstruct(&sections).mesh;
+    let facts = mesh.surface(Label(1)).facts(true).expect("facts");
+    assert!(facts.closed && facts.outward, "{facts:?}");
+}
+
 /// Half of the plane z = 0 is outside but for a rectangle of label 1. Its body
 /// reaches to halfway between the plane and the box, |z| ≤ ¾, and no nearer to
 /// the face x = −1.5: |z| ≤ x + 1.5. So 2 · (¼ · 5/8 + ½ · ¾).

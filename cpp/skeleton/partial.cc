@@ -130,14 +130,17 @@ class Surfaces {
   }
 
   void add_splits(const PointIndex& index, const PointNames& names, PartialSurface& surface) const {
-    for (Index wall = 0; wall < cell_.walls.size(); ++wall) {
-      const std::vector<Piece>& pieces = cell_.walls[wall].pieces;
-      for (Index piece = 0; piece < pieces.size(); ++piece) {
-        const auto& [from, to, left, right] = pieces[piece];
-        if (left == right) continue;
-        for (const Point& point : index.between(cell_.points[from], cell_.points[to])) {
-          surface.splits.push_back({wall, piece, names.at(point)});
-        }
+    const auto add = [&](Index from, Index to) {
+      for (const Point& point : index.between(cell_.points[from], cell_.points[to])) {
+        surface.splits.push_back({from, to, names.at(point)});
+      }
+    };
+    for (const CellPlane& wall : cell_.walls) {
+      for (const auto& [from, to, left, right] : wall.pieces) {
+        if (left != right) add(from, to);
+      }
+      for (std::size_t i = 0; i < wall.corners.size(); ++i) {
+        add(wall.corners[i], wall.corners[(i + 1) % wall.corners.size()]);
       }
     }
   }

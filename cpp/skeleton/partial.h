@@ -36,10 +36,11 @@ struct PartialCell {
 struct PartialSurface {
   std::vector<Point> added;  // the points that follow the cell's
   std::vector<Triangle> triangles;
-  // Points added on the pieces of walls, which the cell on the other side has to
-  // know: wall, its piece, point.
+  // Points added on the pieces of walls, which the cell on the other side has to know, and
+  // all those on the walls' edges: where walls show different labels along one, each of
+  // the cells around it has surfaces that end there. Between two of the cell's points.
   struct Split {
-    Index wall, piece, point;
+    Index from, to, point;
   };
   std::vector<Split> splits;
   // What is not exact (leaves.h): how many leaves, their volume, and the middle of the

@@ -114,8 +114,7 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index, const 
     triangle = oriented(triangle);
   }
   for (const auto& split : made.splits) {
-    const Piece& piece = cell.walls[split.wall].pieces[split.piece];
-    result.splits.push_back({number(piece.from), number(piece.to), number(split.point)});
+    result.splits.push_back({number(split.from), number(split.to), number(split.point)});
   }
   return result;
 }

@@ -134,8 +134,7 @@ impl Session {
         let mut warnings = Vec::new();
         if let Some(torn) = torn {
             warnings.push(format!(
-                "the last record of the journal was cut short, and no change in it acknowledged: \
-                 dropped ({} bytes at byte {})",
+                "the last record of the journal is cut short or damaged: dropped ({} bytes at byte {})",
                 torn.length, torn.byte
             ));
         }

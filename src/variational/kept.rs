@@ -56,6 +56,8 @@ pub struct KeptLevel {
     starts: LeafGrid,
     /// The corrections of these starts.
     corrections: LeafGrid,
+    /// What the values were drawn to.
+    drawn_to: Option<LeafGrid>,
 }
 
 /// What fields keep, as other sections see it.
@@ -150,13 +152,20 @@ pub struct Making<'a> {
     /// What is not to be kept: leaves near to a change.
     changed: LeafSet,
     starts: LeafGrid,
+    drawn_to: Option<LeafGrid>,
     /// Those that keep their correction.
     settled: LeafSet,
 }
 
 impl<'a> Making<'a> {
-    /// None yet, on the level with a number.
-    pub fn new(before: Option<&'a Before<'a>>, label: Label, number: usize, level: &Level) -> Self {
+    /// None yet, on the level with a number, whose values may be drawn to others.
+    pub fn new(
+        before: Option<&'a Before<'a>>,
+        label: Label,
+        number: usize,
+        level: &Level,
+        drawn_to: Option<&LeafGrid>,
+    ) -> Self {
         let starts = LeafGrid::new(level.domain.low, level.domain.high);
         let settled = LeafSet::new(&starts);
         let kept = before.and_then(|before| Some((before, before.level(label, &level.lattice)?)));
@@ -165,7 +174,8 @@ impl<'a> Making<'a> {
             None => (0.0, settled.clone()),
         };
         let tolerance = (tolerance / level.lattice.voxel) as f32;
-        Self { before: kept.map(|(_, kept)| kept), tolerance, changed, starts, settled }
+        let (before, drawn_to) = (kept.map(|(_, kept)| kept), drawn_to.cloned());
+        Self { before, tolerance, changed, starts, drawn_to, settled }
     }
 
     /// Leaves are to be solved for. The new ones among them that may keep their correction
@@ -197,7 +207,17 @@ impl<'a> Making<'a> {
     /// The first and the last leaf that a change of a leaf's start concerns.
     fn change(&self, before: &KeptLevel, leaf: [i32; 3]) -> Option<[[i32; 3]; 2]> {
         let [was, is] = [before.starts.get(leaf)?, self.starts.get(leaf)?];
-        let differs = |&node: &usize| (was[node] - is[node]).abs() > self.tolerance;
+        let drawn_to = |grid: &Option<LeafGrid>, node: usize| {
+            grid.as_ref().and_then(|grid| Some(grid.get(leaf)?[node]))
+        };
+        let differs = |&node: &usize| {
+            let draws = [&before.drawn_to, &self.drawn_to].map(|grid| drawn_to(grid, node));
+            let is_drawn_elsewhere = match draws {
+                [Some(was), Some(is)] => (was - is).abs() > self.tolerance,
+                [was, is] => was.is_some() != is.is_some(),
+            };
+            is_drawn_elsewhere || (was[node] - is[node]).abs() > self.tolerance
+        };
         let nodes = (0..LEAF_NODES).filter(differs).map(|node| node_of(leaf, node));
         let [low, high] = nodes.map(|node| [node; 2]).reduce(|[low, high], [node, _]| {
             let choose = |own: [i32; 3], of: fn(i32, i32) -> i32| {
@@ -225,7 +245,12 @@ impl<'a> Making<'a> {
                 *correction = difference(end, start);
             }
         }
-        KeptLevel { lattice: level.lattice, starts: self.starts, corrections }
+        KeptLevel {
+            lattice: level.lattice,
+            starts: self.starts,
+            corrections,
+            drawn_to: self.drawn_to,
+        }
     }
 }
 

@@ -208,10 +208,9 @@ impl<'a> Solver<'a> {
 
     /// What is to be kept of a level, if anything is.
     fn making(&self, number: usize) -> Option<Making<'a>> {
-        // Where it does not start from what draws it, a start does not tell of changes there.
-        let is_told = self.starts_at_anchor(number) || self.anchored.get(number).is_none();
-        let new = || Making::new(self.before, self.label, number, &self.levels[number]);
-        (self.scene.keeps && is_told).then(new)
+        let drawn_to = self.anchored.get(number);
+        let new = || Making::new(self.before, self.label, number, &self.levels[number], drawn_to);
+        self.scene.keeps.then(new)
     }
 
     /// Keeps what there is of the last level.
