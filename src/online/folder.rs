@@ -113,15 +113,16 @@ impl Folder {
         let mut files = BTreeMap::new();
         for entry in fs::read_dir(&self.path).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
-            let Some(name) = path.file_name().and_then(|name| name.to_str()) else { continue };
-            if name.starts_with('.') || !is_kind(name) {
+            // A name that is no UTF-8 is not found again under what is left of it, which is told.
+            let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else { continue };
+            if name.starts_with('.') || !is_kind(&name) {
                 continue;
             }
             // It may be gone by now.
             let Ok(about) = fs::metadata(&path) else { continue };
             if about.is_file() {
                 let stamp = Stamp { length: about.len(), modified: about.modified().ok() };
-                files.insert(name.to_owned(), stamp);
+                files.insert(name.into_owned(), stamp);
             }
         }
         Ok(files)

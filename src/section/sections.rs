@@ -217,9 +217,13 @@ fn merge(known: &Section, new: &Section) -> Result<Section> {
     let draft = Draft::new(&known.name, known.plane, 0.0, &rules)?;
     let overlay = Overlay::new(&draft, [known, &new])?;
     if let Some((area, place)) = overlay.conflict(&draft) {
+        // The face beyond all contours has no area of its own.
+        let how_much = match area > 0.0 {
+            true => format!("on an area of {area:.3e}, most near {place}"),
+            false => "beyond all contours".to_owned(),
+        };
         let what = format!(
-            "lies on the plane of section {} but disagrees with it on an area of {area:.3e}, \
-             most near {place}: remove one of them",
+            "lies on the plane of section {} but disagrees with it {how_much}: remove one of them",
             known.name
         );
         return Err(Error::Section { section: new.name, what });
