@@ -87,15 +87,16 @@ impl Kept {
         Some(Before { kept: self, concerned, tolerance: TOLERANCE * finest })
     }
 
-    /// What is to be kept of fields, which give it away.
-    pub fn new(scene: &Scene, fields: &mut [LabelField]) -> Self {
+    /// What is to be kept of fields, which give it away; `metric` is the one that lengths were
+    /// measured by when the oldest of it was solved for.
+    pub fn new(scene: &Scene, metric: Metric, fields: &mut [LabelField]) -> Self {
         let keep = |field: &mut LabelField| KeptField {
             label: field.label,
             levels: std::mem::take(&mut field.kept),
         };
         Self {
             sections: scene.sections.to_vec(),
-            metric: scene.metric,
+            metric,
             ends: scene.space.ends().map(<[_]>::to_vec),
             fields: fields.iter_mut().map(keep).collect(),
         }
@@ -137,6 +138,11 @@ impl Kept {
 }
 
 impl Before<'_> {
+    /// How lengths were measured when the oldest of it was solved for.
+    pub fn metric(&self) -> Metric {
+        self.kept.metric
+    }
+
     /// What a level of a label's field keeps.
     fn level(&self, label: Label, lattice: &Lattice) -> Option<&KeptLevel> {
         let field = self.kept.fields.iter().find(|field| field.label == label)?;
@@ -240,7 +246,11 @@ impl<'a> Making<'a> {
         let pairs = self.starts.iter_mut().zip(corrections.iter_mut());
         for ((leaf, start), (_, correction)) in pairs {
             if let Some(kept) = old(leaf) {
+                // All as it was when it was solved for: what is compared with does not drift.
                 (*start, *correction) = (*kept.0, *kept.1);
+                let was = self.before.and_then(|before| before.drawn_to.as_ref()?.get(leaf));
+                let own = self.drawn_to.as_mut().and_then(|grid| grid.get_mut(leaf));
+                own.zip(was).into_iter().for_each(|(own, was)| *own = *was);
             } else if let Some(end) = level.grid.get(leaf) {
                 *correction = difference(end, start);
             }

@@ -77,6 +77,7 @@ use crate::section::Section;
 use backend::Backend;
 use cpu::Cpu;
 use gpu::Gpu;
+use kept::Before;
 pub(crate) use kept::Kept;
 use label_field::{LabelField, Scene};
 use metric::Metric;
@@ -186,7 +187,8 @@ fn solve(
         effort.unknowns += field.effort.unknowns;
         effort.updates += field.effort.updates;
     }
-    *kept = keeps.then(|| Kept::new(&scene, &mut fields));
+    let metric = before.as_ref().map_or(scene.metric, Before::metric);
+    *kept = keeps.then(|| Kept::new(&scene, metric, &mut fields));
     let mut samples = assembly::assemble(fields, &scene);
     let specks = remove_specks(&mut samples, scene.sections, scene.space.bounds) as u64;
     Ok(Solved { samples, effort, specks, device: scene.backend.name() })
