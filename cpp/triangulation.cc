@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "transect/src/ffi/triangulation.rs.h"
@@ -152,21 +155,40 @@ Triangulation triangulate(rust::Slice<const double> points, rust::Slice<const In
   for (double number : points) {
     if (!std::isfinite(number)) throw std::invalid_argument("a coordinate is not a finite number");
   }
+  const auto point = [&](Index number) {
+    return Point(points[2 * number], points[2 * number + 1]);
+  };
+  // Of several triangulations that are Delaunay the order decides: it is that of the places,
+  // so that the same regions become the same triangles, however they are numbered.
+  std::vector<Index> order(points.size() / 2);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    return std::make_tuple(point(a).x(), point(a).y(), a) <
+           std::make_tuple(point(b).x(), point(b).y(), b);
+  });
   Delaunay delaunay;
-  std::vector<Delaunay::Vertex_handle> vertices;
+  std::vector<Delaunay::Vertex_handle> vertices(order.size());
   std::map<Delaunay::Vertex_handle, Index> inputs;
-  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
-    vertices.push_back(delaunay.insert(Point(points[i], points[i + 1])));
-    inputs.emplace(vertices.back(), static_cast<Index>(i / 2));
+  for (const Index number : order) {
+    vertices[number] = delaunay.insert(point(number));
+    inputs.emplace(vertices[number], number);
   }
+  std::vector<Index> rank(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<Index>(i);
   Borders borders;
+  std::vector<std::pair<Index, Index>> constraints;
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const auto start = vertices.at(segments[2 * i]), end = vertices.at(segments[2 * i + 1]);
     if (start == end) continue;
-    delaunay.insert_constraint(start, end);
+    constraints.push_back(std::minmax(rank[segments[2 * i]], rank[segments[2 * i + 1]]));
     borders[regions[i]].push_back({start->point(), end->point()});
   }
-  const std::vector<Point> inner = lattice(borders, spacing);
+  std::sort(constraints.begin(), constraints.end());
+  for (const auto& [start, end] : constraints) {
+    delaunay.insert_constraint(vertices[order[start]], vertices[order[end]]);
+  }
+  std::vector<Point> inner = lattice(borders, spacing);
+  std::sort(inner.begin(), inner.end());
   delaunay.insert(inner.begin(), inner.end());
   Triangulation out;
   write(delaunay, borders, inputs, out);

@@ -42,7 +42,7 @@ pub struct Mask {
 /// When a number of the mask is out of range, or a stage fails.
 pub fn mask(mut sections: Sections, mask: &Mask) -> Result<Sections> {
     check(mask)?;
-    let middle = sections.bounds().map_or(DVec3::ZERO, |bounds| bounds.min.midpoint(bounds.max));
+    let middle = sections.bounds().map_or(DVec3::ZERO, |bounds| bounds.middle());
     let mut seeds = Random::new(mask.blobs.map_or(0, |blobs| blobs.seed));
     let all: Vec<(u64, Section)> =
         std::mem::take(&mut sections.sections).into_iter().map(|one| (seeds.next(), one)).collect();

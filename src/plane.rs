@@ -92,7 +92,7 @@ impl Plane {
     /// The part in a box: a convex polygon, counter-clockwise about the normal;
     /// empty when the plane misses the box.
     pub fn polygon_in(&self, bounds: Bounds) -> Vec<DVec3> {
-        let center = (bounds.min + bounds.max) / 2.0;
+        let center = bounds.middle();
         let [first, second] = self.tangents();
         let origin = center - self.distance(center) * self.unit_normal();
         let reach = 2.0 * bounds.diagonal();
@@ -145,6 +145,11 @@ impl Bounds {
             polygon = clipped(&polygon, |point| self.max[axis] - point[axis]);
         }
         polygon
+    }
+
+    /// Its middle.
+    pub fn middle(&self) -> DVec3 {
+        (self.min + self.max) / 2.0
     }
 
     /// The lengths of the sides.

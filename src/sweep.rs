@@ -103,7 +103,7 @@ impl Sweep {
             let hand = angles.iter().fold(DQuat::IDENTITY, |hand, &(axis, degrees)| {
                 hand * DQuat::from_axis_angle(axis, degrees.to_radians())
             });
-            let mut middle = bounds.min.midpoint(bounds.max);
+            let mut middle = bounds.middle();
             let part = (f64::from(number) + 0.5) / f64::from(count);
             middle[axis] = bounds.min[axis] + part * extent[axis];
             middle[across] += STRAY * extent[across] * stray[0].at(number);

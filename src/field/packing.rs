@@ -321,7 +321,7 @@ impl PackedRamp {
 /// The centre of some bounds and the power of two that shrinks them into a
 /// cube of side one.
 fn unit_cube(bounds: Bounds) -> (DVec3, f64) {
-    let centre = (bounds.min + bounds.max) / 2.0;
+    let centre = bounds.middle();
     let side = bounds.size().max_element();
     let scale = if side > 0.0 { (-side.log2().ceil()).exp2() } else { 1.0 };
     (centre, scale)

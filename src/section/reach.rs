@@ -52,10 +52,10 @@ pub fn reaches(sections: &[Section]) -> Vec<f64> {
 pub fn reaches_with(sections: &[Section], margin: f64) -> Vec<f64> {
     let Some(all) = bounds(sections) else { return Vec::new() };
     let diagonal = all.diagonal();
-    let middle = (all.min + all.max) / 2.0;
+    let middle = all.middle();
     let reach = |section: &Section| {
         let normal = section.plane.unit_normal();
-        let own = section.bounds().map_or(middle, |own| (own.min + own.max) / 2.0);
+        let own = section.bounds().map_or(middle, |own| own.middle());
         let from = own - section.plane.distance(own) * normal;
         let gap = |other: &Section| {
             let is_parallel = normal.cross(other.plane.unit_normal()).length() <= PARALLEL;

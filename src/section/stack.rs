@@ -78,7 +78,7 @@ fn middle(sections: &[Section]) -> DVec3 {
     let points = sections
         .iter()
         .flat_map(|section| (0..section.vertices.len() as u32).map(|vertex| section.point(vertex)));
-    Bounds::around(points).map_or(DVec3::ZERO, |bounds| (bounds.min + bounds.max) / 2.0)
+    Bounds::around(points).map_or(DVec3::ZERO, |bounds| bounds.middle())
 }
 
 #[cfg(test)]

@@ -111,7 +111,7 @@ fn rows(section: &Section, bounds: Bounds, spacing: f64) -> std::ops::Range<i64>
 /// The point of the plane that is nearest to the box's middle.
 fn origin_in(section: &Section, bounds: Bounds) -> DVec3 {
     let plane = section.plane();
-    let middle = (bounds.min + bounds.max) / 2.0;
+    let middle = bounds.middle();
     middle - plane.distance(middle) * plane.unit_normal()
 }
 

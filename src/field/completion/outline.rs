@@ -161,8 +161,10 @@ fn chains(edges: &[[DVec3; 2]], fixed: &HashMap<[u64; 3], bool>) -> Vec<Vec<DVec
     let ends = |point: DVec3| {
         is_fixed(point) || !leaving.contains_key(&key(point)) || !arriving.contains_key(&key(point))
     };
-    let (open, closed): (Vec<usize>, Vec<usize>) =
+    let (open, mut closed): (Vec<usize>, Vec<usize>) =
         (0..edges.len()).partition(|&index| ends(edges[index][0]));
+    // A closed one keeps its beginning: any point, but the same whatever the edges' order.
+    closed.sort_by_key(|&index| key(edges[index][0]));
     let mut used = vec![false; edges.len()];
     let mut chains = Vec::new();
     for first in open.into_iter().chain(closed) {

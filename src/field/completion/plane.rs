@@ -53,14 +53,20 @@ struct Known {
 /// Triangles, each with an edge that no other one has, on whose left it lies.
 type Rim = Vec<(usize, [u32; 2])>;
 
-/// A plane's frame: the first point seen is the origin, so that coordinates
-/// stay small.
+/// A plane's frame, of which the triangulation depends: it follows from where
+/// the plane lies in the box, not from what was drawn first.
 struct Frame {
+    /// The foot of the box's middle, so that coordinates stay small.
     origin: DVec3,
     tangents: [DVec3; 2],
 }
 
 impl Frame {
+    fn new(plane: Plane, middle: DVec3) -> Self {
+        let normal = plane.unit_normal();
+        Self { origin: middle - plane.distance(middle) * normal, tangents: plane.tangents() }
+    }
+
     fn flatten(&self, point: DVec3) -> DVec2 {
         let offset = point - self.origin;
         DVec2::new(self.tangents[0].dot(offset), self.tangents[1].dot(offset))
@@ -76,9 +82,11 @@ impl UnknownPlane {
     /// of about `spacing` (world units).
     pub fn new(complex: &Complex, faces: &[u32], spacing: f64) -> Result<Self> {
         let outlines = Outlines::new(complex, faces, spacing);
-        let Some(&origin) = outlines.points.first() else { return Ok(Self::default()) };
+        if outlines.points.is_empty() {
+            return Ok(Self::default());
+        }
         let plane = complex.planes()[complex.facets()[faces[0]].plane];
-        let frame = Frame { origin, tangents: Plane::tangents(&plane) };
+        let frame = Frame::new(plane, complex.bounds().middle());
         let flat: Vec<f64> =
             outlines.points.iter().flat_map(|&point| frame.flatten(point).to_array()).collect();
         let segments = outlines.segments.as_flattened();
