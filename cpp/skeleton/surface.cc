@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "transect/cpp/skeleton/overlay.h"
@@ -113,8 +114,21 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index, const 
     for (Index& corner : triangle.corners) corner = number(corner);
     triangle = oriented(triangle);
   }
-  for (const auto& split : made.splits) {
-    result.splits.push_back({number(split.from), number(split.to), number(split.point)});
+  std::set<std::pair<Index, Index>> split;
+  for (const auto& [from, to, point] : made.splits) {
+    result.splits.push_back({number(from), number(to), number(point)});
+    split.insert(std::minmax(number(from), number(to)));
+  }
+  // Other cells around an edge have points on it of contours that this one does not see.
+  for (const Index facet : prepared.cells.cells[index].facets) {
+    const std::vector<Index>& corners = prepared.cells.facets[facet].corners;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Index from = corners[i], to = corners[(i + 1) % corners.size()];
+      if (split.count(std::minmax(from, to)) == 0) continue;
+      for (const Index point : prepared.line_points.between(from, to)) {
+        result.splits.push_back({from, to, point});
+      }
+    }
   }
   return result;
 }

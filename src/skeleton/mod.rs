@@ -309,7 +309,7 @@ impl Joined {
             ..Details::default()
         };
         let mut skeleton = Skeleton { mesh, details };
-        splits::divide(&mut skeleton, &self.splits);
+        splits::fit(&mut skeleton, &self.splits);
         skeleton
     }
 }

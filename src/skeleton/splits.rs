@@ -3,21 +3,32 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::Skeleton;
+use super::{Skeleton, merge};
+use crate::components::components;
+use crate::mesh::Mesh;
 
 /// A point between the ends of a contour's piece: `[from, to, point]`.
 pub(super) type Split = [u32; 3];
 
 /// Divides triangles so that all at a contour's piece have all points on it.
-pub(super) fn divide(skeleton: &mut Skeleton, splits: &[Split]) {
+pub(super) fn fit(skeleton: &mut Skeleton, splits: &[Split]) {
     let mut on: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
     for &[from, to, point] in splits {
         on.entry([from.min(to), from.max(to)]).or_default().push(point);
     }
-    let chains = chains(skeleton, on);
+    let mut chains: Vec<Vec<u32>> =
+        on.into_iter().map(|(ends, points)| chain(&skeleton.mesh, ends, points)).collect();
+    unite(skeleton, &mut chains);
+    divide(skeleton, &chains);
+}
+
+/// Divides triangles so that all at the points of a chain, one after the other on a line,
+/// have all those that are between two of their corners.
+pub(super) fn divide(skeleton: &mut Skeleton, chains: &[Vec<u32>]) {
+    let between = between(chains);
     let contours = std::mem::take(&mut skeleton.details.contours);
     for [mut from, to] in contours {
-        while let Some(&point) = chains.get(&[from, to]) {
+        while let Some(&point) = between.get(&[from, to]) {
             skeleton.details.contours.push([from, point]);
             from = point;
         }
@@ -26,18 +37,17 @@ pub(super) fn divide(skeleton: &mut Skeleton, splits: &[Split]) {
     let mut index = 0;
     while index < skeleton.mesh.triangles.len() {
         // What is divided is looked at again: another side may be on a piece.
-        if !divide_one(skeleton, &chains, index) {
+        if !divide_one(skeleton, &between, index) {
             index += 1;
         }
     }
 }
 
-/// For every two points of a piece that are not neighbours the first one between
+/// For every two points of a chain that are not neighbours the first one between
 /// them.
-fn chains(skeleton: &mut Skeleton, on: BTreeMap<[u32; 2], Vec<u32>>) -> HashMap<[u32; 2], u32> {
+fn between(chains: &[Vec<u32>]) -> HashMap<[u32; 2], u32> {
     let mut between = HashMap::new();
-    for ([from, to], points) in on {
-        let chain = chain(skeleton, from, to, points);
+    for chain in chains {
         for first in 0..chain.len() {
             for last in first + 2..chain.len() {
                 between.insert([chain[first], chain[last]], chain[first + 1]);
@@ -48,32 +58,46 @@ fn chains(skeleton: &mut Skeleton, on: BTreeMap<[u32; 2], Vec<u32>>) -> HashMap<
     between
 }
 
-/// All points of a piece in order. Cells on both sides may have made the same
-/// one: then triangles get the first.
-fn chain(skeleton: &mut Skeleton, from: u32, to: u32, mut points: Vec<u32>) -> Vec<u32> {
-    let vertices = &skeleton.mesh.vertices;
-    let place = |point: u32| vertices[point as usize];
+/// All points of a piece in order.
+fn chain(mesh: &Mesh, [from, to]: [u32; 2], mut points: Vec<u32>) -> Vec<u32> {
+    let place = |point: u32| mesh.vertices[point as usize];
     let along = |point: u32| (place(point) - place(from)).dot(place(to) - place(from));
     points.extend([from, to]);
     points.sort_by(|&one, &other| along(one).total_cmp(&along(other)).then(one.cmp(&other)));
     points.dedup();
-    let same = |one: u32, other: u32| place(one) == place(other);
-    let mut instead: HashMap<u32, u32> = HashMap::new();
-    let mut kept: Vec<u32> = Vec::new();
-    for point in points {
-        match kept.last() {
-            Some(&last) if same(last, point) => {
-                instead.insert(point, last);
-            }
-            _ => kept.push(point),
-        }
+    points
+}
+
+/// Makes one of neighbours at the same place: cells on both sides may have made the same
+/// point, and rounded some are the same though they are not. What was between them goes.
+fn unite(skeleton: &mut Skeleton, chains: &mut [Vec<u32>]) {
+    let vertices = &skeleton.mesh.vertices;
+    let same = |ends: &&[u32]| vertices[ends[0] as usize] == vertices[ends[1] as usize];
+    let pairs: Vec<[u32; 2]> = chains
+        .iter()
+        .flat_map(|chain| chain.windows(2).filter(same))
+        .map(|ends| [ends[0], ends[1]])
+        .collect();
+    if pairs.is_empty() {
+        return;
     }
-    if !instead.is_empty() {
-        for corner in skeleton.mesh.triangles.as_flattened_mut() {
-            *corner = instead.get(corner).copied().unwrap_or(*corner);
-        }
+    let groups = components(vertices.len() as u32, pairs.iter().copied());
+    let mut first: HashMap<u32, u32> = HashMap::new();
+    for &point in pairs.as_flattened() {
+        let first = first.entry(groups[point as usize]).or_insert(point);
+        *first = point.min(*first);
     }
-    kept
+    let of = |point: u32| first.get(&groups[point as usize]).copied().unwrap_or(point);
+    let renumber = |point: &mut u32| *point = of(*point);
+    for chain in chains {
+        chain.iter_mut().for_each(renumber);
+        chain.dedup();
+    }
+    let Skeleton { mesh, details } = skeleton;
+    mesh.triangles.as_flattened_mut().iter_mut().for_each(renumber);
+    details.contours.as_flattened_mut().iter_mut().for_each(renumber);
+    details.contours.retain(|[from, to]| from != to);
+    merge::cancel(skeleton);
 }
 
 /// Whether a side of the triangle had a point on it: then the triangle becomes
@@ -97,7 +121,6 @@ mod tests {
 
     use super::*;
     use crate::label::Label;
-    use crate::mesh::Mesh;
     use crate::skeleton::{Details, Kind, Origin};
 
     /// Two triangles over the piece from 0 to 1, one of which has its middle 4.
@@ -110,9 +133,27 @@ mod tests {
         let mesh = Mesh { vertices, triangles, sides };
         let details = Details { origins: vec![origin; 3], ..Details::default() };
         let mut skeleton = Skeleton { mesh, details };
-        divide(&mut skeleton, &[[1, 0, 4]]);
+        fit(&mut skeleton, &[[1, 0, 4]]);
         let expected = [[0, 4, 2], [1, 4, 3], [4, 0, 3], [4, 1, 2]];
         assert_eq!(skeleton.mesh.triangles, expected);
         assert_eq!(skeleton.details.origins.len(), 4);
+    }
+
+    /// The middle is there twice, as cells make it; between the two is a triangle of no size.
+    #[test]
+    fn points_at_one_place_are_one() {
+        let middle = 0.5 * DVec3::X;
+        let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, -DVec3::Y, middle, middle];
+        let triangles = vec![[0, 1, 2], [5, 4, 3], [4, 0, 3], [1, 5, 3]];
+        let sides = vec![[Label(1), Label::OUTSIDE]; 4];
+        let origin = Origin { kind: Kind::Wall, sections: [None; 2], cell: 0 };
+        let mesh = Mesh { vertices, triangles, sides };
+        let contours = vec![[0, 1], [4, 5]];
+        let details = Details { origins: vec![origin; 4], contours, ..Details::default() };
+        let mut skeleton = Skeleton { mesh, details };
+        fit(&mut skeleton, &[[0, 1, 4], [1, 0, 5]]);
+        assert_eq!(skeleton.mesh.triangles, [[0, 4, 2], [4, 0, 3], [1, 4, 3], [4, 1, 2]]);
+        assert_eq!(skeleton.details.contours, [[0, 4], [4, 1]]);
+        assert_eq!((skeleton.mesh.sides.len(), skeleton.details.origins.len()), (4, 4));
     }
 }

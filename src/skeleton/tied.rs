@@ -22,17 +22,18 @@ pub(super) fn divide(skeleton: &mut Skeleton) -> bool {
         if tied.is_empty() {
             return true;
         }
-        let splits: Vec<_> = tied
+        let chains: Vec<Vec<u32>> = tied
             .into_iter()
-            .map(|ends @ [from, to]| [from, to, add_middle(skeleton, ends)])
+            .map(|ends @ [from, to]| vec![from, add_middle(skeleton, ends), to])
             .collect();
-        splits::divide(skeleton, &splits);
+        splits::divide(skeleton, &chains);
         // Triangles that lay on each other may have got the same corners.
         merge::cancel(skeleton);
     }
     skeleton.mesh.tied_edges().is_empty()
 }
 
+/// A vertex of its own also where rounding knows no place between the two.
 fn add_middle(skeleton: &mut Skeleton, ends: [u32; 2]) -> u32 {
     let [from, to] = ends.map(|end| end as usize);
     let vertices = &mut skeleton.mesh.vertices;

@@ -24,8 +24,12 @@ pub fn set(seed: u64) -> Set {
         0 => cut(&mut random, &sheets),
         _ => sheets.iter().map(|&sheet| scribble(&mut random, sheet)).collect(),
     };
-    if random.percent(25) {
-        drawn.iter_mut().for_each(|own| make_partial(&mut random, own));
+    // All, or some beside others that are whole.
+    let partial = [100, 40, 0, 0, 0, 0][random.below(6)];
+    for own in &mut drawn {
+        if random.percent(partial) {
+            make_partial(&mut random, own);
+        }
     }
     if random.percent(20) {
         place(&mut random, &mut drawn);

@@ -39,26 +39,34 @@ const FAIR_DICE: f64 = 0.02;
 pub enum Way {
     Exact,
     Fair,
+    /// Fair with edges as long as voxels, of which twenty times as many sets are judged.
+    Coarse,
     Delaunay,
 }
 
 impl Way {
-    pub const ALL: [Self; 3] = [Self::Exact, Self::Fair, Self::Delaunay];
+    pub const ALL: [Self; 4] = [Self::Exact, Self::Fair, Self::Coarse, Self::Delaunay];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "skeleton",
             Self::Fair => "fair",
+            Self::Coarse => "coarse",
             Self::Delaunay => "delaunay",
         }
     }
 
-    fn method(self) -> Method {
+    fn method(self, sections: &Sections) -> Method {
+        let fair = |edge_length: Option<f64>| {
+            let fairing = Some(Fairing { edge_length });
+            Method::Skeleton(Skeleton { fairing, ..Skeleton::default() })
+        };
         match self {
             Self::Exact => Method::Skeleton(Skeleton::default()),
-            Self::Fair => {
-                let fairing = Some(Fairing::default());
-                Method::Skeleton(Skeleton { fairing, ..Skeleton::default() })
+            Self::Fair => fair(None),
+            Self::Coarse => {
+                let size = sections.space().map(|bounds| bounds.size().max_element());
+                fair(size.map(|size| size / f64::from(VOXELS)))
             }
             Self::Delaunay => {
                 let mesher = Mesher::Delaunay(delaunay::Options::default());
@@ -97,13 +105,13 @@ pub fn judge(file: &Path, way: Way, seed: u64) -> Verdict {
         Ok(sections) => sections,
         Err(error) => return refused(&error),
     };
-    let made = match reconstruct(sections.clone(), way.method()) {
+    let made = match reconstruct(sections.clone(), way) {
         Ok(made) => made,
         Err(error) => return refused(&error),
     };
     let found = match way {
         Way::Exact => exact(&made, seed),
-        Way::Fair => match reconstruct(sections, Way::Exact.method()) {
+        Way::Fair | Way::Coarse => match reconstruct(sections, Way::Exact) {
             Ok(before) => fair(&made, &before),
             Err(error) => return refused(&error),
         },
@@ -120,9 +128,9 @@ fn refused(error: &Error) -> Verdict {
     }
 }
 
-fn reconstruct(sections: Sections, method: Method) -> Result<Made, Error> {
+fn reconstruct(sections: Sections, way: Way) -> Result<Made, Error> {
     let mut model = Model::new(Options {
-        method,
+        method: way.method(&sections),
         resolution: Resolution::Voxels(VOXELS),
         ..Options::default()
     });

@@ -48,7 +48,7 @@ fn main() -> ExitCode {
             match (minutes, first.transpose()) {
                 (Some(minutes), Ok(first)) if !ways.is_empty() => search(minutes, first, &ways),
                 _ => {
-                    println!("skeleton [MINUTES [SEED [skeleton|fair|delaunay]]]");
+                    println!("skeleton [MINUTES [SEED [skeleton|fair|coarse|delaunay]]]");
                     ExitCode::from(2)
                 }
             }
