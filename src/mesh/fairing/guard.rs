@@ -1,7 +1,7 @@
 //! What a surface must not come to while it is made fair: it must not cross itself or
 //! another, pass through a section other than at a contour, or shrink to nothing.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,6 +12,8 @@ use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::facts::crossings;
 use crate::mesh::sets::Sets;
+use crate::mesh::sheets::Side;
+use crate::mesh::surface::sorted_sides;
 use crate::plane::Plane;
 
 /// Times that what is wrong is taken back, each time with one more ring of neighbours,
@@ -79,31 +81,38 @@ impl Network {
 
     /// The vertices that are on another side of a plane than they were. One that was on it,
     /// because a triangle with all corners on one contour was divided, may leave it to the
-    /// side on which everything around it was.
+    /// side on which its patches are.
     fn beyond(&self, before: &[DVec3], planes: &[Plane]) -> BTreeSet<u32> {
-        let largest = before.iter().fold(0.0, |size: f64, at| size.max(at.abs().max_element()));
-        let near = ON * largest;
-        let planes: Vec<(DVec3, f64)> = planes.iter().map(unit).collect();
-        let side = |&(normal, offset): &(DVec3, f64), point: DVec3| {
-            let distance = normal.dot(point) - offset;
-            if distance.abs() <= near { 0.0 } else { distance.signum() }
-        };
-        let neighbours = self.neighbours();
-        (0..before.len() as u32)
-            .into_par_iter()
-            .filter(|&vertex| {
-                let [was, is] = [before, &self.mesh.vertices].map(|all| all[vertex as usize]);
-                was != is
-                    && planes.iter().any(|plane| {
-                        let (from, to) = (side(plane, was), side(plane, is));
-                        let around = neighbours[vertex as usize].iter();
-                        let mut around = around.map(|&other| side(plane, before[other as usize]));
-                        from != to && (from != 0.0 || around.any(|of| of == -to))
-                    })
-            })
-            .collect::<Vec<u32>>()
-            .into_iter()
-            .collect()
+        let planes = Sides::all(planes, before);
+        let wrong = planes.par_iter().map(|plane| self.beyond_one(before, plane));
+        wrong.reduce(BTreeSet::new, |mut all, mut own| {
+            all.append(&mut own);
+            all
+        })
+    }
+
+    fn beyond_one(&self, before: &[DVec3], plane: &Sides) -> BTreeSet<u32> {
+        let was: Vec<f64> = before.iter().map(|&place| plane.of(place)).collect();
+        let is: Vec<f64> = self.mesh.vertices.iter().map(|&place| plane.of(place)).collect();
+        let corners = || self.patches.iter().zip(&self.mesh.triangles);
+        // Of each patch whether anything is behind the plane and in front of it.
+        let mut sides: HashMap<u32, [bool; 2]> = HashMap::new();
+        for (&patch, triangle) in corners() {
+            let sides = sides.entry(patch).or_default();
+            for side in triangle.map(|corner| was[corner as usize]) {
+                sides[0] |= side < 0.0;
+                sides[1] |= side > 0.0;
+            }
+        }
+        let mut wrong = BTreeSet::new();
+        for (patch, triangle) in corners() {
+            let other = |to: f64| sides[patch][usize::from(to < 0.0)];
+            wrong.extend(triangle.iter().filter(|&&corner| {
+                let (from, to) = (was[corner as usize], is[corner as usize]);
+                from != to && (from != 0.0 || other(to))
+            }));
+        }
+        wrong
     }
 
     fn neighbours(&self) -> Vec<Vec<u32>> {
@@ -118,10 +127,54 @@ impl Network {
     }
 }
 
-/// A normal of length one, and the offset.
-fn unit(plane: &Plane) -> (DVec3, f64) {
-    let length = plane.normal.length();
-    (plane.normal / length, plane.offset / length)
+/// On which side of a plane points are.
+struct Sides {
+    /// Of length one.
+    normal: DVec3,
+    offset: f64,
+    /// Nearer than this is on it.
+    near: f64,
+}
+
+impl Sides {
+    /// For points of a size.
+    fn all(planes: &[Plane], points: &[DVec3]) -> Vec<Self> {
+        let largest = points.iter().fold(0.0, |size: f64, at| size.max(at.abs().max_element()));
+        let of = |plane: &Plane| {
+            let length = plane.normal.length();
+            let (normal, offset) = (plane.normal / length, plane.offset / length);
+            Self { normal, offset, near: ON * largest }
+        };
+        planes.iter().map(of).collect()
+    }
+
+    fn of(&self, point: DVec3) -> f64 {
+        let distance = self.normal.dot(point) - self.offset;
+        if distance.abs() <= self.near { 0.0 } else { distance.signum() }
+    }
+}
+
+/// The edges in planes at which a surface passes from one side to the other: contours, and
+/// where another section contradicts the plane's. Moved along the plane they would be seen
+/// in the section.
+pub fn passing(mesh: &Mesh, planes: &[Plane]) -> Vec<[u32; 2]> {
+    let planes = Sides::all(planes, &mesh.vertices);
+    let place = |vertex: u32| mesh.vertices[vertex as usize];
+    let passes = |around: &[Side]| {
+        let ends = around[0].0;
+        planes.iter().any(|plane| {
+            let beside = |way: f64| {
+                around.iter().any(|side| {
+                    let corners = mesh.triangles[side.1 as usize];
+                    corners.into_iter().any(|corner| plane.of(place(corner)) == way)
+                })
+            };
+            ends.into_iter().all(|end| plane.of(place(end)) == 0.0) && beside(1.0) && beside(-1.0)
+        })
+    };
+    let sides = sorted_sides(&mesh.triangles);
+    let edges: Vec<&[Side]> = sides.chunk_by(|one, other| one.0 == other.0).collect();
+    edges.into_par_iter().filter(|around| passes(around)).map(|around| around[0].0).collect()
 }
 
 /// The pieces of all labels, by the patches around them.

@@ -52,10 +52,10 @@ pub struct Fair {
     pub left: usize,
 }
 
-/// A network with edges of about the wanted length, smooth but for some edges,
-/// each given by its two vertices, that stay where they are. Those that are too
-/// long are divided, as are curves where more than two surfaces meet. No vertex moves
-/// through one of the planes.
+/// A network with edges of about the wanted length, smooth but for some edges that stay
+/// where they are: those given by their two vertices, and those in one of the planes at which
+/// a surface passes it. Those that are too long are divided, as are curves where more than two
+/// surfaces meet. No vertex moves through one of the planes.
 ///
 /// The same for any number of threads.
 ///
@@ -69,7 +69,7 @@ pub fn fair(
     options: &FairingOptions,
 ) -> Result<Fair> {
     require_length(mesh, options.edge_length)?;
-    let network = Network::new(mesh, fixed)?;
+    let network = Network::new(mesh, &[fixed, &guard::passing(mesh, planes)].concat())?;
     let patches = network.patches.iter().collect::<BTreeSet<_>>().len();
     let solids = Solids::new(&network);
     let was_sound = mesh.faces_outward()?;
