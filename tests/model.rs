@@ -263,7 +263,7 @@ fn solved_where_a_section_concerns(method: Method) {
     // The last one is parallel to the one before, and smaller.
     let mut all = squares();
     all.extend([square("near", 2, 0.55, 0.8, 1), square("small", 2, 0.6, 0.5, 1)]);
-    let (mut living, mut once) = (boxed(method, 72), boxed(method, 72));
+    let (mut living, mut once) = (boxed(method, 64), boxed(method, 64));
     let mut ids = Vec::new();
     for section in &all {
         let change = Change::Add(sections(std::slice::from_ref(section)));
@@ -287,7 +287,7 @@ fn solved_where_a_section_concerns(method: Method) {
     for id in [ids[0], ids[4], ids[6]] {
         apply(&mut living, Change::Remove(id)).unwrap();
         let rest: Vec<Section> = living.given().map(|(_, section)| section.clone()).collect();
-        let mut without = boxed(method, 72);
+        let mut without = boxed(method, 64);
         apply(&mut without, Change::Add(sections(&rest))).unwrap();
         assert_alike(&living, &without);
         assert!(undo(&mut living));
@@ -297,7 +297,7 @@ fn solved_where_a_section_concerns(method: Method) {
     let wrong = square("wrong", 0, -0.4, 1.0, 7);
     apply(&mut living, Change::Add(sections(&[wrong]))).unwrap_err();
     assert!(undo(&mut living));
-    let mut fewer = boxed(method, 72);
+    let mut fewer = boxed(method, 64);
     apply(&mut fewer, Change::Add(sections(&all[..6]))).unwrap();
     assert_alike(&living, &fewer);
 }
