@@ -53,7 +53,7 @@ impl Living {
         let (drawn, touched) = edited.inspect_err(|_| self.editor.rollback())?;
         self.drawn = drawn;
         self.touched.extend(touched.cells.iter().chain(&touched.removed_cells));
-        if is_first {
+        if is_first || cfg!(feature = "assertions") {
             let sound = self.editor.sanity_check();
             sound.map_err(|what| Error::Bug { stage: "arrangement", what })?;
         }
