@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <tuple>
 #include <utility>
 
 namespace transect::complex {
@@ -21,22 +20,19 @@ Plane::Plane(const std::array<double, 3>& given, double offset)
 
 Place::Place(Point point, std::vector<Id> on, double size)
     : exact(std::move(point)), planes(std::move(on)) {
-  // Intervals say how a place was computed, and where that is should not depend on it: what
-  // is no number of its own is rounded to a grid, to one step whatever the interval.
-  const double step = std::ldexp(1.0, std::ilogb(size) - 46);
-  const auto rounded = [&](double number) { return std::nearbyint(number / step) * step; };
-  for (int axis = 0; axis < 3; ++axis) {
-    auto [low, high] = CGAL::to_interval(exact[axis]);
-    if (low == high) {
-      rough[axis] = low;
-      continue;
+  const auto round = [&] {
+    error = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto [low, high] = CGAL::to_interval(exact[axis]);
+      rough[axis] = low + (high - low) / 2;
+      error = std::max(error, high - low);
     }
-    if (rounded(low) != rounded(high)) {
-      exact.exact();
-      std::tie(low, high) = CGAL::to_interval(exact[axis]);
-    }
-    rough[axis] = rounded(low + (high - low) / 2);
-    error = std::max(error, step);
+  };
+  round();
+  // Intervals that are wider say something about how the place was computed.
+  if (!(error <= 1e-14 * size)) {
+    exact.exact();
+    round();
   }
 }
 

@@ -51,7 +51,7 @@ struct Place {
   std::vector<Id> planes;  // ascending
 
   Place() = default;
-  // Coordinates are rounded to 2^-46 of `size`, or kept where they are doubles.
+  // Coordinates are rounded to 1e-14 of `size` or better.
   Place(Point point, std::vector<Id> planes, double size);
 
   bool is_on(Id plane) const;

@@ -206,11 +206,12 @@ impl<'a> Solver<'a> {
         Ok(())
     }
 
-    /// What is to be kept of a level, if anything is.
+    /// What is to be kept of a level, if anything is. Where nothing was solved for on a
+    /// coarser one a change reaches as far as ℓ, and all is solved for.
     fn making(&self, number: usize) -> Option<Making<'a>> {
         let drawn_to = self.anchored.get(number);
         let new = || Making::new(self.before, self.label, number, &self.levels[number], drawn_to);
-        self.scene.keeps.then(new)
+        (self.scene.keeps && !self.starts_at_anchor(number)).then(new)
     }
 
     /// Keeps what there is of the last level.

@@ -15,6 +15,11 @@ use glam::DVec3;
 
 use crate::complex::{Complex, FacetEdge};
 use crate::label::Label;
+use crate::plane::Bounds;
+
+/// Binary digits of places on a plane, of the size of the box. Further ones depend on how a
+/// place was computed, and what is triangulated must not.
+const DIGITS: f64 = 40.0;
 
 /// How far simplified chains stray, as a part of the spacing: a voxel at 256
 /// voxels and the default spacing.
@@ -32,6 +37,8 @@ pub(super) struct Outlines {
     pub faces: Vec<u32>,
     /// What is known to the right of a segment.
     pub labels: HashMap<[u32; 2], Label>,
+    /// Points nearer to each other are one.
+    step: f64,
 }
 
 /// The edges of one face beside unknown regions.
@@ -43,10 +50,15 @@ struct Rim {
     border: Vec<[DVec3; 2]>,
 }
 
-/// The bits of a point: equal points of a plane are bitwise equal, but for the
-/// sign of zero.
-fn key(point: DVec3) -> [u64; 3] {
-    (point + 0.0).to_array().map(f64::to_bits)
+/// What places on planes in a box are multiples of, but for digits that say nothing.
+pub(super) fn step(bounds: Bounds) -> f64 {
+    (bounds.diagonal().log2().floor() - DIGITS).exp2()
+}
+
+/// The name of a point, which equal points of a plane have in common though their last
+/// digits may differ.
+fn key(point: DVec3, step: f64) -> [u64; 3] {
+    ((point / step).round() + 0.0).to_array().map(f64::to_bits)
 }
 
 impl Outlines {
@@ -55,14 +67,15 @@ impl Outlines {
     pub fn new(complex: &Complex, faces: &[u32], spacing: f64) -> Self {
         let rims: Vec<(u32, Rim)> =
             faces.iter().map(|&face| (face, Rim::new(&complex.facets()[face].edges))).collect();
-        let fixed = fixed(rims.iter().map(|(_, rim)| rim));
-        let mut outlines = Self::default();
+        let step = step(complex.bounds());
+        let fixed = fixed(rims.iter().map(|(_, rim)| rim), step);
+        let mut outlines = Self { step, ..Self::default() };
         for (face, rim) in &rims {
             for &[start, end] in &rim.border {
                 outlines.add(*face, [start, end], None, spacing);
             }
             for (&label, edges) in &rim.chains {
-                for chain in chains(edges, &fixed) {
+                for chain in chains(edges, &fixed, step) {
                     for ends in simplified(&chain, STRAY * spacing).windows(2) {
                         outlines.add(*face, [ends[0], ends[1]], Some(label), spacing);
                     }
@@ -74,7 +87,7 @@ impl Outlines {
 
     /// Adds a segment in equal pieces, the same ones from either end.
     fn add(&mut self, face: u32, [start, end]: [DVec3; 2], label: Option<Label>, spacing: f64) {
-        let turned = key(start) > key(end);
+        let turned = key(start, self.step) > key(end, self.step);
         let [low, high] = if turned { [end, start] } else { [start, end] };
         // The spacing is positive and not absurdly small: see `pieces`.
         let pieces = pieces(low.distance(high), spacing);
@@ -95,7 +108,7 @@ impl Outlines {
 
     fn number(&mut self, point: DVec3) -> u32 {
         let next = self.points.len() as u32;
-        let number = *self.numbers.entry(key(point)).or_insert(next);
+        let number = *self.numbers.entry(key(point, self.step)).or_insert(next);
         if number == next {
             self.points.push(point);
         }
@@ -130,14 +143,14 @@ impl Rim {
 
 /// The points at which chains end: all but those between two edges of one
 /// chain.
-fn fixed<'a>(rims: impl Iterator<Item = &'a Rim> + Clone) -> HashMap<[u64; 3], bool> {
+fn fixed<'a>(rims: impl Iterator<Item = &'a Rim> + Clone, step: f64) -> HashMap<[u64; 3], bool> {
     let mut degrees: HashMap<[u64; 3], (u32, bool)> = HashMap::new();
     for rim in rims {
         let borders = rim.border.iter().map(|edge| (edge, true));
         let chains = rim.chains.values().flatten().map(|edge| (edge, false));
         for (edge, border) in borders.chain(chains) {
             for &point in edge {
-                let (degree, on_border) = degrees.entry(key(point)).or_default();
+                let (degree, on_border) = degrees.entry(key(point, step)).or_default();
                 *degree += 1;
                 *on_border |= border;
             }
@@ -148,7 +161,8 @@ fn fixed<'a>(rims: impl Iterator<Item = &'a Rim> + Clone) -> HashMap<[u64; 3], b
 
 /// Edges of one label in sequences between fixed points; where there is none,
 /// closed.
-fn chains(edges: &[[DVec3; 2]], fixed: &HashMap<[u64; 3], bool>) -> Vec<Vec<DVec3>> {
+fn chains(edges: &[[DVec3; 2]], fixed: &HashMap<[u64; 3], bool>, step: f64) -> Vec<Vec<DVec3>> {
+    let key = |point: DVec3| key(point, step);
     let is_fixed = |point: DVec3| fixed.get(&key(point)).copied().unwrap_or(true);
     let mut leaving: HashMap<[u64; 3], usize> = HashMap::new();
     let mut arriving: HashMap<[u64; 3], usize> = HashMap::new();
@@ -216,6 +230,8 @@ fn off_segment(point: DVec3, start: DVec3, end: DVec3) -> f64 {
 mod tests {
     use super::*;
 
+    const STEP: f64 = 1e-12;
+
     #[test]
     fn simplified_chains_stay_close() {
         let wave: Vec<DVec3> = (0..=200)
@@ -248,13 +264,14 @@ mod tests {
             right: Some(Label(label)),
         };
         let rim = Rim::new(&[edge(0, 1), edge(1, 1), edge(2, 2), edge(3, 2)]);
-        let fixed = fixed([&rim].into_iter());
+        let fixed = fixed([&rim].into_iter(), STEP);
         for label in [1, 2] {
-            let chains = chains(&rim.chains[&Label(label)], &fixed);
+            let chains = chains(&rim.chains[&Label(label)], &fixed, STEP);
             assert_eq!(chains.iter().map(Vec::len).collect::<Vec<_>>(), [3]);
         }
         let whole = Rim::new(&[edge(0, 1), edge(1, 1), edge(2, 1), edge(3, 1)]);
-        let chains = chains(&whole.chains[&Label(1)], &super::fixed([&whole].into_iter()));
+        let chains =
+            chains(&whole.chains[&Label(1)], &super::fixed([&whole].into_iter(), STEP), STEP);
         assert_eq!(chains.len(), 1);
         assert_eq!(chains[0].len(), 5);
         assert_eq!(simplified(&chains[0], 0.1).len(), 5);
@@ -263,7 +280,7 @@ mod tests {
     #[test]
     fn pieces_are_the_same_from_either_end() {
         let [start, end] = [DVec3::new(0.1, 0.2, 0.3), DVec3::new(1.7, -0.4, 0.9)];
-        let mut outlines = Outlines::default();
+        let mut outlines = Outlines { step: STEP, ..Outlines::default() };
         outlines.add(0, [start, end], None, 0.3);
         let points = outlines.points.len();
         // A length of 1.81 makes seven pieces.

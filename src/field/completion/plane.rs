@@ -3,13 +3,13 @@
 
 use glam::{DVec2, DVec3};
 
-use super::outline::Outlines;
+use super::outline::{Outlines, step};
 use crate::complex::{Complex, FacetEdge};
 use crate::components::components;
 use crate::error::{Error, Result};
 use crate::ffi::triangulation::{self as ffi, Triangulation};
 use crate::label::Label;
-use crate::plane::Plane;
+use crate::plane::{Bounds, Plane};
 
 /// How far the middle of a piece may lie off the line that it is a piece of,
 /// relative to the size of the box: rounding only.
@@ -59,17 +59,24 @@ struct Frame {
     /// The foot of the box's middle, so that coordinates stay small.
     origin: DVec3,
     tangents: [DVec3; 2],
+    /// Coordinates are multiples of this.
+    step: f64,
 }
 
 impl Frame {
-    fn new(plane: Plane, middle: DVec3) -> Self {
-        let normal = plane.unit_normal();
-        Self { origin: middle - plane.distance(middle) * normal, tangents: plane.tangents() }
+    fn new(plane: Plane, bounds: Bounds) -> Self {
+        let (normal, middle) = (plane.unit_normal(), bounds.middle());
+        Self {
+            origin: middle - plane.distance(middle) * normal,
+            tangents: plane.tangents(),
+            step: step(bounds),
+        }
     }
 
     fn flatten(&self, point: DVec3) -> DVec2 {
         let offset = point - self.origin;
-        DVec2::new(self.tangents[0].dot(offset), self.tangents[1].dot(offset))
+        let flat = DVec2::from_array(self.tangents.map(|tangent| tangent.dot(offset)));
+        (flat / self.step).round() * self.step
     }
 
     fn lift(&self, [u, v]: [f64; 2]) -> DVec3 {
@@ -86,7 +93,7 @@ impl UnknownPlane {
             return Ok(Self::default());
         }
         let plane = complex.planes()[complex.facets()[faces[0]].plane];
-        let frame = Frame::new(plane, complex.bounds().middle());
+        let frame = Frame::new(plane, complex.bounds());
         let flat: Vec<f64> =
             outlines.points.iter().flat_map(|&point| frame.flatten(point).to_array()).collect();
         let segments = outlines.segments.as_flattened();
