@@ -63,7 +63,15 @@ fn chain(mesh: &Mesh, [from, to]: [u32; 2], mut points: Vec<u32>) -> Vec<u32> {
     let place = |point: u32| mesh.vertices[point as usize];
     let along = |point: u32| (place(point) - place(from)).dot(place(to) - place(from));
     points.extend([from, to]);
-    points.sort_by(|&one, &other| along(one).total_cmp(&along(other)).then(one.cmp(&other)));
+    // Those at one place are neighbours, also where rounding has others as far along.
+    let order = |point: u32| [along(point), place(point).x, place(point).y, place(point).z];
+    let compare = |one: [f64; 4], other: [f64; 4]| {
+        let pairs = one.into_iter().zip(other);
+        pairs.map(|(one, other)| one.total_cmp(&other)).find(|order| order.is_ne())
+    };
+    points.sort_by(|&one, &other| {
+        compare(order(one), order(other)).unwrap_or_else(|| one.cmp(&other))
+    });
     points.dedup();
     points
 }

@@ -52,7 +52,7 @@ struct Rim {
 
 /// What places on planes in a box are multiples of, but for digits that say nothing.
 pub(super) fn step(bounds: Bounds) -> f64 {
-    (bounds.diagonal().log2().floor() - DIGITS).exp2()
+    (bounds.diagonal().log2().floor() - DIGITS).exp2().max(f64::MIN_POSITIVE)
 }
 
 /// The name of a point, which equal points of a plane have in common though their last
