@@ -115,8 +115,8 @@ class Pieces {
 };
 
 // Whether just one straight line leads through the point.
-bool passes(const Flat& point, const std::vector<Flat>& ways) {
-  return ways.size() == 2 && CGAL::collinear(ways[0], point, ways[1]);
+bool passes(const Flat& point, const std::set<Flat>& ways) {
+  return ways.size() == 2 && CGAL::collinear(*ways.begin(), point, *ways.rbegin());
 }
 
 }  // namespace
@@ -129,7 +129,8 @@ std::vector<StraightLine> straight_lines(const Ways& ways) {
     for (const Flat& second : seconds) {
       Flat last = start, next = second;
       for (auto at = ways.find(next); passes(next, at->second); at = ways.find(next)) {
-        const Flat further = at->second[0] == last ? at->second[1] : at->second[0];
+        const Flat &one = *at->second.begin(), &other = *at->second.rbegin();
+        const Flat further = one == last ? other : one;
         last = next;
         next = further;
       }
@@ -258,8 +259,8 @@ PlanarMap::Labels PlanarMap::known_outlines() const {
     if (is_known(face) == is_known(face->neighbor(index))) continue;
     const Flat& a = face->vertex(labels_.ccw(index))->point();
     const Flat& b = face->vertex(labels_.cw(index))->point();
-    ways[a].push_back(b);
-    ways[b].push_back(a);
+    ways[a].insert(b);
+    ways[b].insert(a);
   }
   Labels outlines;
   for (const StraightLine& line : straight_lines(ways)) {

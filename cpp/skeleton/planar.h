@@ -6,6 +6,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <map>
+#include <set>
 
 #include "transect/cpp/skeleton/exact.h"
 
@@ -27,8 +28,9 @@ class Chart {
   int first_, second_, dropped_;
 };
 
-// Lines of a plane, by what their points are joined to.
-using Ways = std::map<Kernel::Point_2, std::vector<Kernel::Point_2>>;
+// Lines of a plane, by what their points are joined to: in an order that does not hang on
+// that of a triangulation's edges, which is that of addresses.
+using Ways = std::map<Kernel::Point_2, std::set<Kernel::Point_2>>;
 
 // A line that goes straight on from corner to corner; the one after `from` is `second`.
 struct StraightLine {

@@ -67,8 +67,8 @@ class Overlay {
     for (const auto& edge : mesh_.constrained_edges()) {
       if (left(edge) == right(edge)) continue;
       const auto [from, to] = ends(edge);
-      ways[from->point()].push_back(to->point());
-      ways[to->point()].push_back(from->point());
+      ways[from->point()].insert(to->point());
+      ways[to->point()].insert(from->point());
     }
     std::map<Flat, Vertex> vertices;
     for (Vertex vertex : mesh_.finite_vertex_handles()) vertices[vertex->point()] = vertex;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -133,11 +134,43 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index, const 
   return result;
 }
 
+// Puts points and triangles in an order of their own: that of a triangulation's vertices and
+// faces hangs on the addresses by which CGAL orders the edges it flips.
+void arrange(CellSurface& made, Index shared) {
+  std::vector<Index> order(made.added.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index a, Index b) { return made.added[a] < made.added[b]; });
+  std::vector<Point> added;
+  std::vector<Index> numbers(order.size());
+  for (Index point : order) {
+    numbers[point] = shared + static_cast<Index>(added.size());
+    added.push_back(made.added[point]);
+  }
+  made.added = std::move(added);
+  const auto renumber = [&](Index& point) {
+    if (point >= shared) point = numbers[point - shared];
+  };
+  for (Split& split : made.splits) {
+    for (Index* point : {&split.from, &split.to, &split.point}) renumber(*point);
+  }
+  for (auto& [corners, back, front, kind, planes] : made.triangles) {
+    for (Index& corner : corners) renumber(corner);
+    std::rotate(corners, std::min_element(corners, corners + 3), corners + 3);
+  }
+  std::stable_sort(
+      made.triangles.begin(), made.triangles.end(), [](const Triangle& a, const Triangle& b) {
+        return std::lexicographical_compare(a.corners, a.corners + 3, b.corners, b.corners + 3);
+      });
+}
+
 }  // namespace
 
 CellSurface surface(const Prepared& prepared, Index cell, const Watch& watch) {
-  return prepared.patches.in(cell) ? among_partial_sections(prepared, cell, watch)
-                                   : between_full_sections(prepared, cell);
+  CellSurface made = prepared.patches.in(cell) ? among_partial_sections(prepared, cell, watch)
+                                               : between_full_sections(prepared, cell);
+  arrange(made, static_cast<Index>(prepared.scene.points.size()));
+  return made;
 }
 
 }  // namespace transect::skeleton

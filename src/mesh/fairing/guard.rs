@@ -128,7 +128,7 @@ impl Network {
 }
 
 /// On which side of a plane points are.
-struct Sides {
+pub struct Sides {
     /// Of length one.
     normal: DVec3,
     offset: f64,
@@ -138,7 +138,7 @@ struct Sides {
 
 impl Sides {
     /// For points of a size.
-    fn all(planes: &[Plane], points: &[DVec3]) -> Vec<Self> {
+    pub fn all(planes: &[Plane], points: &[DVec3]) -> Vec<Self> {
         let largest = points.iter().fold(0.0, |size: f64, at| size.max(at.abs().max_element()));
         let of = |plane: &Plane| {
             let length = plane.normal.length();
@@ -148,7 +148,7 @@ impl Sides {
         planes.iter().map(of).collect()
     }
 
-    fn of(&self, point: DVec3) -> f64 {
+    pub fn of(&self, point: DVec3) -> f64 {
         let distance = self.normal.dot(point) - self.offset;
         if distance.abs() <= self.near { 0.0 } else { distance.signum() }
     }

@@ -7,6 +7,7 @@
 //! nothing: what would is taken back, vertex by vertex or patch by patch. A surface that
 //! passes a plane, as it may where a section is partial, can move along it.
 
+mod flat;
 mod guard;
 mod network;
 mod patches;
@@ -19,7 +20,8 @@ use crate::grid::memory::available_memory;
 use crate::mesh::Mesh;
 use crate::plane::Plane;
 
-use guard::Solids;
+use flat::Flat;
+use guard::{Sides, Solids};
 use network::Network;
 
 /// How a mesh is made fair.
@@ -74,10 +76,13 @@ pub fn fair(
     let solids = Solids::new(&network);
     let was_sound = mesh.faces_outward()?;
     let crossings = network.crossings()?.len();
+    let flat = Flat::of(&network, planes);
+    let size = mesh.bounds().map_or(0.0, |bounds| bounds.diagonal());
     let mut left = BTreeSet::new();
     for _ in 0..TRIES {
         let made = smoothed(network.clone(), &solids, planes, &left, options)?;
         let mut spoiled = solids.spoiled(&made);
+        spoiled.extend(Flat::of(&made, planes).grown(&flat, size));
         let found = made.crossings()?;
         if found.len() > crossings {
             spoiled.extend(made.patches_of(&found));
@@ -104,7 +109,8 @@ fn smoothed(
 ) -> Result<Network> {
     network.pin(left);
     for level in LEVELS {
-        network.remesh(level * options.edge_length, left)?;
+        let sides = Sides::all(planes, &network.mesh.vertices);
+        network.remesh(level * options.edge_length, left, &sides)?;
         let mut steps = options.steps;
         while steps > 0 {
             let before = network.mesh.vertices.clone();

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::guard::Sides;
 use super::network::{Ends, Kind, Network};
 use crate::error::{Error, Result};
 use crate::ffi::fairing::{self, Patch};
@@ -37,7 +38,7 @@ impl Network {
     ///
     /// # Errors
     /// When CGAL fails.
-    pub fn remesh(&mut self, length: f64, stay: &BTreeSet<u32>) -> Result<()> {
+    pub fn remesh(&mut self, length: f64, stay: &BTreeSet<u32>, planes: &[Sides]) -> Result<()> {
         self.divide_borders(length, stay);
         let pieces = self.pieces_of_patches();
         let mut remeshed: Vec<Option<Patch>> = pieces
@@ -51,7 +52,7 @@ impl Network {
         loop {
             self.mesh.vertices.clone_from(&vertices);
             self.pinned.clone_from(&pinned);
-            self.assemble(&pieces, &remeshed);
+            self.assemble(&pieces, &remeshed, planes);
             let crossing = self.patches_of(&self.crossings()?);
             let mut is_same = true;
             for (piece, patch) in pieces.iter().zip(&mut remeshed) {
@@ -66,13 +67,13 @@ impl Network {
     }
 
     /// The network of patches, each remeshed or as it was.
-    fn assemble(&mut self, pieces: &[Piece], remeshed: &[Option<Patch>]) {
+    fn assemble(&mut self, pieces: &[Piece], remeshed: &[Option<Patch>], planes: &[Sides]) {
         self.mesh.triangles.clear();
         self.mesh.sides.clear();
         self.patches.clear();
         for (piece, patch) in pieces.iter().zip(remeshed) {
             match patch {
-                Some(patch) => self.put(piece, patch),
+                Some(patch) => self.put(piece, patch, planes),
                 None => self.put_back(piece),
             }
             self.patches.resize(self.mesh.triangles.len(), piece.patch);
@@ -191,7 +192,7 @@ impl Network {
     }
 
     /// What stays keeps its vertex of the network, all else is new.
-    fn put(&mut self, piece: &Piece, patch: &Patch) {
+    fn put(&mut self, piece: &Piece, patch: &Patch, planes: &[Sides]) {
         let mut names: Vec<Option<u32>> = vec![None; piece.vertices.len()];
         for vertex in border(piece.triangles.as_flattened(), |vertex| vertex).into_flattened() {
             names[vertex as usize] = Some(piece.vertices[vertex as usize]);
@@ -206,6 +207,12 @@ impl Network {
             triangles: patch.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
             sides: vec![piece.sides; patch.triangles.len() / 3],
         });
+        let on = |at: usize| match names[at] {
+            Some(_) => planes_at(part.mesh.vertices[at], planes),
+            None => Vec::new(),
+        };
+        let on: Vec<Vec<usize>> = (0..names.len()).map(on).collect();
+        part.turn_flat(&on);
         part.divide(&part.chords(&names));
         part.leave_chords(&names);
         let numbers: Vec<u32> = (0..part.mesh.vertices.len())
@@ -218,6 +225,11 @@ impl Network {
         self.mesh.triangles.extend(part.mesh.triangles.into_iter().map(renamed));
         self.mesh.sides.extend(part.mesh.sides);
     }
+}
+
+/// The planes that a point is on.
+fn planes_at(point: DVec3, planes: &[Sides]) -> Vec<usize> {
+    (0..planes.len()).filter(|&plane| planes[plane].of(point) == 0.0).collect()
 }
 
 /// The edges that only one triangle has, from start to end as it passes them, by
