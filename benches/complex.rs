@@ -2,9 +2,11 @@
 //! removed again, beside all sections one after the other: random planes in a cube, the
 //! bundled example, and the real files there are.
 
-use std::path::{Path, PathBuf};
+mod common;
+
 use std::time::Instant;
 
+use common::{files, median, name};
 use glam::DVec3;
 use transect::complex::Editor;
 use transect::error::Result;
@@ -30,7 +32,7 @@ fn main() -> Result<()> {
     for file in files() {
         let sections = io::read_sections(&file, &Rules::default())?;
         let Some(space) = sections.space() else { continue };
-        row(&file.file_stem().unwrap_or_default().to_string_lossy(), &sections.sections, space)?;
+        row(&name(&file), &sections.sections, space)?;
     }
     Ok(())
 }
@@ -67,11 +69,6 @@ fn row(name: &str, sections: &[Section], bounds: Bounds) -> Result<()> {
     Ok(())
 }
 
-fn median(mut seconds: Vec<f64>) -> f64 {
-    seconds.sort_by(f64::total_cmp);
-    seconds[seconds.len() / 2]
-}
-
 /// Planes through the cube in all directions, without contours.
 fn random_planes(count: usize) -> Result<Vec<Section>> {
     let mut state = 1_u64;
@@ -90,20 +87,4 @@ fn random_planes(count: usize) -> Result<Vec<Section>> {
             Ok(Section::from_loops(&name, plane, &[], 1.0, &Rules::default())?.0)
         })
         .collect()
-}
-
-/// The bundled example, and the real files where they are.
-fn files() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let data = std::env::var_os("TRANSECT_DATA")
-        .map_or_else(|| root.join("../shared/data"), PathBuf::from);
-    let mut files = vec![root.join("examples/phantom.json")];
-    for name in ["Elephant", "Heart-25-even-better", "Vetebrae", "Abdomen"] {
-        let file = data.join("csl").join(name).with_extension("csl");
-        match file.exists() {
-            true => files.push(file),
-            false => println!("skipped: {} is absent", file.display()),
-        }
-    }
-    files
 }

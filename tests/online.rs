@@ -515,6 +515,36 @@ fn every_change_leaves_a_frame_and_numbers_go_on() {
     assert_eq!(entries(&path.join("v")), ["frame_000001.vdb"]);
 }
 
+/// Two layers of patches, of which a section far above changes the upper ones alone.
+#[test]
+fn patches_that_changed_are_named() {
+    let folder = folder();
+    let mut online = Online::start(folder.path(), &[BOX, "--smooth", "0", "--patches"]);
+    let names = |answer: &Value, what: &str| -> Vec<[i64; 3]> {
+        serde_json::from_value(answer["patches"][what].clone()).expect("names")
+    };
+    let squares = [(-0.8, 0.3), (0.5, 0.8), (0.8, 0.6)];
+    let squares = squares
+        .map(|(offset, half)| json!({"add": square(&offset.to_string(), 2, offset, half, 1)}));
+    let first = online.does(json!({"all": squares}));
+    let all = names(&first, "changed");
+    assert_eq!(all.len(), 8);
+    let (origin, side) = (&first["patches"]["origin"][2], &first["patches"]["side"]);
+    let border = origin.as_f64().expect("a place") + side.as_f64().expect("a length");
+    assert!(border > 0.0 && border < 0.5, "{border}");
+    let upper: Vec<[i64; 3]> = all.iter().copied().filter(|name| name[2] == 1).collect();
+    let above = square("1.0", 2, 1.0, 0.9, 1);
+    let second = online.does(json!({"add": above}));
+    assert_eq!(names(&second, "changed"), upper);
+    let same = online.does(json!({"replace": {"id": 3, "with": above}}));
+    assert_eq!(names(&same, "changed").len(), 0);
+    let back = online.does(json!({"remove": 3}));
+    assert_eq!(names(&back, "changed"), upper);
+    let gone = online.does(json!({"all": [{"remove": 0}, {"remove": 1}, {"remove": 2}]}));
+    assert_eq!((names(&gone, "changed").len(), names(&gone, "removed")), (0, all));
+    assert_eq!(online.end().0, Some(0));
+}
+
 /// Waits for an answer about a file.
 fn about(online: &mut Online, file: &str) -> Value {
     let answer = online.answer();

@@ -86,7 +86,10 @@ impl<'a> Online<'a> {
         let frames = emit.as_ref().map(|path| Frames::new(path, *emit_kind, arguments.resume));
         let frames = frames.transpose()?;
         let mut stages = Stages::default();
-        let (session, resumed) = session(arguments, options, &mut stages)?;
+        let (mut session, resumed) = session(arguments, options, &mut stages)?;
+        if arguments.patches {
+            session.follow_patches();
+        }
         let mut online = Self { arguments, session, frames, grids, targets };
         if let Some(resumed) = &resumed {
             online.tell_resumed(resumed)?;

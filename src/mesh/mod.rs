@@ -7,6 +7,7 @@ pub mod dual;
 pub mod facts;
 pub mod fairing;
 pub mod nearest;
+pub mod patches;
 pub(crate) mod sets;
 #[cfg(test)]
 pub(crate) mod shapes;

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::change::SectionId;
 use crate::label::Label;
 use crate::mesh::Mesh;
+use crate::mesh::patches::ChangedPatches;
 use crate::model::Model;
 use crate::section::{Findings, Section, Warning};
 use crate::stage::{Stage, Stages};
@@ -28,6 +29,9 @@ pub struct Answer {
     pub triangles: usize,
     /// What each material has become.
     pub labels: Vec<Material>,
+    /// The patches of the surface that are others than before, when somebody follows them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub patches: Option<ChangedPatches>,
     /// All stages together, by the wall clock.
     pub seconds: f64,
     /// What each of them took.
@@ -91,6 +95,7 @@ impl Answer {
         before: &Before,
         model: &Model,
         findings: Findings,
+        patches: Option<ChangedPatches>,
         stages: &Stages,
     ) -> Self {
         let (old, new) = (&before.sections, places(model));
@@ -110,6 +115,7 @@ impl Answer {
             sections: new.len(),
             triangles: mesh.map_or(0, |mesh| mesh.triangles.len()),
             labels: mesh.map_or_else(Vec::new, |mesh| materials(mesh, model)),
+            patches,
             seconds: stages.seconds(),
             stages: stages.stages.clone(),
             warnings: findings.warnings.into_iter().chain(told).collect(),

@@ -24,6 +24,7 @@ use serde_json::Value;
 use crate::change::Step;
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::mesh::patches::Patches;
 use crate::model::{Model, Options};
 use crate::progress::Silent;
 use crate::section::{Findings, Rules};
@@ -39,6 +40,8 @@ pub struct Session {
     model: Model,
     rules: Rules,
     journal: Option<Journal>,
+    /// The surface as whoever follows it knows it.
+    patches: Option<Patches>,
     /// How many changes there were.
     changes: u64,
     /// Whether a change could not be written down.
@@ -70,7 +73,7 @@ impl Session {
     /// A model without sections, whose changes are written down nowhere.
     pub fn new(options: Options, rules: Rules) -> Self {
         let model = Model::new(options);
-        Self { model, rules, journal: None, changes: 0, is_broken: false }
+        Self { model, rules, journal: None, patches: None, changes: 0, is_broken: false }
     }
 
     /// A model without sections, with a journal. `words` are the options as the user gave
@@ -143,8 +146,16 @@ impl Session {
             write_header(&mut journal, words)?;
         }
         let sections = model.given().map(Listed::from).collect();
-        let session = Self { model, rules, journal: Some(journal), changes, is_broken: false };
+        let journal = Some(journal);
+        let session = Self { model, rules, journal, patches: None, changes, is_broken: false };
         Ok((session, Resumed { changes, sections, stages: stages.stages.clone(), warnings }))
+    }
+
+    /// From now on answers say which patches of the surface are others than before.
+    pub fn follow_patches(&mut self) {
+        let now = self.model.derived();
+        let patches = now.map(|now| Patches::new(&now.mesh, now.samples.lattice));
+        self.patches = Some(patches.unwrap_or_default());
     }
 
     /// Changes the model; it stays as it was when that fails. When this returns the change is
@@ -185,7 +196,14 @@ impl Session {
         };
         stages.stages.extend(kept.map(journal));
         self.changes += 1;
-        Ok(Answer::new(self.changes, &before, &self.model, findings, stages))
+        let patches = match (&mut self.patches, self.model.derived()) {
+            (Some(patches), Some(now)) => Some(
+                stages.run("patches", |_| Ok(patches.follow(&now.mesh, now.samples.lattice)))?,
+            ),
+            (Some(patches), None) => Some(patches.clear()),
+            (None, _) => None,
+        };
+        Ok(Answer::new(self.changes, &before, &self.model, findings, patches, stages))
     }
 
     /// Whether the journal could not be written: what is changed from then on would be lost.

@@ -32,6 +32,9 @@ pub struct OnlineArguments {
     /// What kind of file the results of changes are
     #[arg(long, value_name = "KIND", value_enum, default_value_t = FrameKind::Ply, requires = "emit")]
     pub emit_kind: FrameKind,
+    /// Say with every change which patches of the surface are others than before
+    #[arg(long)]
+    pub patches: bool,
     /// An output file, written at the end, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
