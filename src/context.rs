@@ -8,7 +8,7 @@ use crate::stage::Stages;
 pub struct Context<'a> {
     /// How sections of one plane are merged, and files read.
     pub rules: Rules,
-    /// Told how far a stage has come.
+    /// Told how far a stage has come, and asked whether to go on.
     pub progress: &'a dyn Progress,
     /// What each stage took, those of the last change last.
     pub stages: Stages,

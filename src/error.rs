@@ -55,6 +55,9 @@ pub enum Error {
     /// The GPU, or the way to it, failed.
     #[error("GPU: {0}")]
     Device(String),
+    /// [`Progress::is_cancelled`](crate::progress::Progress::is_cancelled) said so.
+    #[error("cancelled")]
+    Cancelled,
     /// A C++ library gave up.
     #[error("{stage}: {what}")]
     Library {

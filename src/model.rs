@@ -405,6 +405,7 @@ impl Ground<'_> {
             None => Living::new(*bounds, method.border)?,
         });
         stages.run("arrangement", |counts| {
+            progress.go_on()?;
             progress.begin("arrangement", 0);
             let touched = living.follow(sections)?;
             count(living.complex(), counts);
@@ -413,6 +414,7 @@ impl Ground<'_> {
         })?;
         let complex = living.complex();
         let boundaries = stages.run("completion", |counts| {
+            progress.go_on()?;
             progress.begin("completion", 0);
             let clearance = CLEARANCE * lattice.voxel;
             let boundaries = Boundaries::new(complex, clearance, method.spacing)?;
@@ -467,6 +469,7 @@ impl Ground<'_> {
             return Ok(());
         }
         stages.run("caps", |counts| {
+            progress.go_on()?;
             progress.begin("caps", 0);
             let specks = capping.cut(samples, self.sections, self.bounds);
             counts.insert("leaves".into(), samples.valued.len() as u64);
@@ -496,6 +499,7 @@ impl Ground<'_> {
         let oracle = Oracle::new(sections, *bounds, Label::OUTSIDE)?;
         let is_exact = made.details.left_out.is_empty();
         let samples = stages.run("labels", |counts| {
+            progress.go_on()?;
             progress.begin("labels", 0);
             let samples = match is_exact {
                 true => oracle.sample_labels(lattice, progress)?,
@@ -512,8 +516,8 @@ impl Ground<'_> {
             let options = FairingOptions { edge_length, steps: FAIRING_STEPS };
             let planes: Vec<Plane> = sections.iter().map(|section| *section.plane()).collect();
             made.mesh = stages.run("fairing", |counts| {
-                progress.begin("fairing", 0);
-                let made = fair(&made.mesh, &made.details.contours, &planes, &options)?;
+                let contours = &made.details.contours;
+                let made = fair(&made.mesh, contours, &planes, &options, progress)?;
                 counts.insert("triangles".into(), made.mesh.triangles.len() as u64);
                 counts.insert("patches".into(), made.patches as u64);
                 counts.insert("patches left as they were".into(), made.left as u64);
@@ -558,6 +562,7 @@ fn mesh(
     progress: &dyn Progress,
 ) -> Result<Mesh> {
     stages.run("mesh", |counts| {
+        progress.go_on()?;
         let mesh = match mesher {
             Mesher::Dual => dual(samples, progress)?,
             Mesher::Delaunay(limits) => delaunay(samples, limits, progress)?,

@@ -1,5 +1,8 @@
 //! Models that change: sections are added, replaced and removed, and changes taken back.
 
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
+
 use glam::DVec3;
 use transect::change::{Change, SectionId, Step};
 use transect::context::Context;
@@ -7,11 +10,25 @@ use transect::error::{Error, Result};
 use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
+use transect::mesh::delaunay;
 use transect::mesh::nearest::Nearest;
-use transect::method::{MeanValue, Method, Skeleton};
+use transect::method::{Fairing, MeanValue, Mesher, Method, Skeleton, Variational};
 use transect::model::{MOST_UNDONE, Model, Options};
 use transect::plane::{Bounds, Plane};
+use transect::progress::Progress;
 use transect::section::{Loop, Rules, Section, Sections};
+
+/// Ends the work when it has been asked so many times whether to.
+struct Patience(AtomicUsize);
+
+impl Progress for Patience {
+    fn begin(&self, _stage: &'static str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn is_cancelled(&self) -> bool {
+        let left = self.0.fetch_update(Relaxed, Relaxed, |left| left.checked_sub(1));
+        left.is_err()
+    }
+}
 
 /// A square around the middle of an axis-parallel plane.
 fn square(name: &str, axis: usize, offset: f64, half: f64, label: u32) -> Section {
@@ -157,6 +174,42 @@ fn a_change_that_is_refused_changes_nothing() {
     assert!(*mesh(&living) == before && format!("{:?}", living.sections()) == drawn);
     // And it is not a change that could be taken back.
     assert!(undo(&mut living) && !undo(&mut living));
+}
+
+/// Wherever a change is when it is cancelled, the model is as it was, and the next change
+/// makes what it would have made.
+#[test]
+fn a_cancelled_change_changes_nothing() {
+    let delaunay = Mesher::Delaunay(delaunay::Options::default());
+    let fairing = Some(Fairing { edge_length: Some(0.3) });
+    let others = [
+        Method::Variational(Variational { mesher: delaunay, ..Variational::default() }),
+        Method::Skeleton(Skeleton { fairing, ..Skeleton::default() }),
+    ];
+    for method in methods().into_iter().chain(others) {
+        let squares = squares();
+        let [first, last] = [&squares[..4], &squares[4..]].map(sections);
+        let mut model = boxed(method, 24);
+        apply(&mut model, Change::Add(first.clone())).unwrap();
+        let before = mesh(&model).clone();
+        let mut patience = 0;
+        loop {
+            let patient = Patience(AtomicUsize::new(patience));
+            let mut context = Context::new(Rules::default(), &patient);
+            match model.apply(Change::Add(last.clone()), &mut context) {
+                Ok(_) => break,
+                Err(error) => assert_eq!(error, Error::Cancelled),
+            }
+            assert_same(mesh(&model), &before);
+            assert_eq!(names(&model).len(), 4);
+            patience += 1 + patience / 4;
+        }
+        assert!(patience > 2, "{method:?} asks {patience} times");
+        let mut other = boxed(method, 24);
+        apply(&mut other, Change::Add(first)).unwrap();
+        apply(&mut other, Change::Add(last)).unwrap();
+        assert_alike(&model, &other);
+    }
 }
 
 #[test]

@@ -169,13 +169,16 @@ pub fn check(
     let labels = labels(sections, mesh);
     progress.begin("check", (sections.len() + labels.len()) as u64 + 3);
     let dice = agreement(sections, mesh, lattice, progress);
+    progress.go_on()?;
     let contours = contour::contours(sections, mesh, lattice.voxel)?;
+    progress.go_on()?;
     progress.advance(1);
     let tolerance = CAP_TOLERANCE * lattice.voxel;
     let opened = options.open.map(|bounds| mesh.without_caps(bounds, tolerance));
     let used = opened.as_ref().unwrap_or(mesh);
     let support = support(used, sections, lattice.voxel);
     progress.advance(1);
+    progress.go_on()?;
     let stack = Stack::new(sections);
     let passages = passages_of(sections, stack.as_ref(), samples, &labels);
     let ripples = ripples(used, sections, &labels, lattice.voxel);
@@ -185,6 +188,7 @@ pub fn check(
         .zip(passages)
         .zip(ripples)
         .map(|((&label, passages), ripple)| {
+            progress.go_on()?;
             let surface = mesh.surface(label);
             let facts = surface.facts(options.self_intersections)?;
             progress.advance(1);

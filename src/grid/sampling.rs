@@ -164,6 +164,7 @@ impl Sampler<'_> {
         while !wave.is_empty() {
             let mut next = Vec::new();
             for leaves in wave.chunks(BATCH_LEAVES) {
+                self.progress.go_on()?;
                 next.extend(self.evaluate(leaves, &mut state)?);
                 self.progress.advance(leaves.len() as u64);
             }

@@ -179,6 +179,7 @@ pub fn skeleton(
     let outputs = (0..prepared.cells())
         .into_par_iter()
         .map(|cell| {
+            progress.go_on()?;
             let watcher = Watcher::new(progress);
             let output =
                 prepared.surface(cell, options.exact, most_pieces, &watcher).map_err(failed);

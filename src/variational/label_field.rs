@@ -12,6 +12,7 @@ use crate::grid::leaf::LeafNodes;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, around, leaf_of, node_below};
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 use crate::label::Label;
+use crate::progress::Progress;
 use crate::section::Section;
 
 use super::anchor::{Anchor, Original};
@@ -65,6 +66,8 @@ pub struct Scene<'a> {
     /// Whether fields keep anything for other sections.
     pub keeps: bool,
     pub backend: &'a dyn Backend,
+    /// Told of every label that is done.
+    pub progress: &'a dyn Progress,
 }
 
 /// The field of a label on all levels.
@@ -466,6 +469,7 @@ impl<'a> Solver<'a> {
         pulls: &[Pull],
         limits: Limits,
     ) -> Result<f64> {
+        self.scene.progress.go_on()?;
         let level = &self.levels[number];
         let is_beyond = self.scene.space.beyond(&level.lattice);
         let is_free = |node: [i32; 3]| match self.scene.is_open {

@@ -159,8 +159,8 @@ pub(crate) fn variational(
 ) -> Result<Solved> {
     let backend = backend(method.device)?;
     let space = Space::around(sections, bounds, method.border, lattice)?;
-    let scene = scene(sections, &space, method, backend.as_ref());
-    solve(scene, (keeps, kept), "field", progress)
+    let scene = scene(sections, &space, method, backend.as_ref(), progress);
+    solve(scene, (keeps, kept), "field")
 }
 
 /// Solves for all labels and removes specks.
@@ -168,9 +168,9 @@ fn solve(
     mut scene: Scene,
     (keeps, kept): (bool, &mut Option<Kept>),
     stage: &'static str,
-    progress: &dyn Progress,
 ) -> Result<Solved> {
     scene.keeps = keeps;
+    let progress = scene.progress;
     let labels = labels(scene.sections);
     progress.begin(stage, labels.len() as u64);
     let before = kept.as_ref().and_then(|kept| kept.before(&scene));
@@ -212,6 +212,7 @@ fn scene<'a>(
     space: &'a Space,
     method: &'a Variational,
     backend: &'a dyn Backend,
+    progress: &'a dyn Progress,
 ) -> Scene<'a> {
     let &Space { bounds, wide, ref lattices, whole, .. } = space;
     let everywhere =
@@ -229,6 +230,7 @@ fn scene<'a>(
         original: None,
         keeps: false,
         backend,
+        progress,
     }
 }
 

@@ -99,8 +99,9 @@ fn smoothed_mesh(
     let border = if samples.open.is_some() { Label::UNKNOWN } else { Label::OUTSIDE };
     let method = Variational { border, ..Variational::default() };
     let backend = Cpu::new();
-    let scene = Scene { original: Some(original), ..scene(sections, &space, &method, &backend) };
-    solve(scene, (keeps, kept), "smoothing", progress)
+    let scene =
+        Scene { original: Some(original), ..scene(sections, &space, &method, &backend, progress) };
+    solve(scene, (keeps, kept), "smoothing")
 }
 
 /// A spacing among those that are a quarter of a doubling apart: it does not change with

@@ -13,6 +13,7 @@ use crate::field::Device;
 use crate::grid::samples::Lattice;
 use crate::method::Variational;
 use crate::plane::Bounds;
+use crate::progress::Silent;
 use crate::section::Section;
 
 /// The system of the first label on the finest lattice, as a reconstruction has it.
@@ -52,7 +53,7 @@ impl Trial {
         let nothing = || Error::Option("there is nothing to solve for".to_owned());
         let recorder = Recorder { cpu: Cpu::new(), last: Mutex::new(None) };
         let space = Space::around(sections, bounds, method.border, lattice)?;
-        let scene = scene(sections, &space, method, &recorder);
+        let scene = scene(sections, &space, method, &recorder, &Silent);
         let label = labels(sections).first().copied().ok_or_else(nothing)?;
         LabelField::new(&scene, None, label)?;
         let last = recorder.last.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -108,7 +108,7 @@ pub fn delaunay(samples: &Samples, options: &Options, progress: &dyn Progress) -
     let Lattice { origin, voxel, dims } = samples.lattice;
     let points = dual.vertices.iter_mut().chain(curves.iter_mut().flatten());
     points.for_each(|point| *point = (*point - origin) / voxel);
-    let mut mesh = complete(&dual, &oracle, &curves, dims, options)?;
+    let mut mesh = complete(&dual, &oracle, &curves, dims, options, progress)?;
     mesh.vertices.par_iter_mut().for_each(|point| {
         *point = origin + voxel * *point;
         if let Some(open) = samples.open {
@@ -126,6 +126,7 @@ fn complete(
     curves: &[Vec<DVec3>],
     dims: [i32; 3],
     options: &Options,
+    progress: &dyn Progress,
 ) -> Result<Mesh> {
     let label_at = |point: [f64; 3]| oracle.label_at(point).0;
     let asked = ffi::Oracle(&label_at);
@@ -137,6 +138,7 @@ fn complete(
     let mut given = HashSet::new();
     let mut round = 1;
     loop {
+        progress.go_on()?;
         let facets = refined(&mut refinement, &seeds)?;
         let mut mesh = network(&facets);
         given.extend(seeds.iter().map(Seed::key));

@@ -19,6 +19,7 @@ use crate::error::{Error, Result};
 use crate::grid::memory::available_memory;
 use crate::mesh::Mesh;
 use crate::plane::Plane;
+use crate::progress::Progress;
 
 use flat::Flat;
 use guard::{Sides, Solids};
@@ -63,12 +64,13 @@ pub struct Fair {
 ///
 /// # Errors
 /// When the wanted length is not positive or needs more memory than there is,
-/// when an edge has a vertex that the mesh has not, or when CGAL fails.
+/// when an edge has a vertex that the mesh has not, when cancelled, or when CGAL fails.
 pub fn fair(
     mesh: &Mesh,
     fixed: &[[u32; 2]],
     planes: &[Plane],
     options: &FairingOptions,
+    progress: &dyn Progress,
 ) -> Result<Fair> {
     require_length(mesh, options.edge_length)?;
     let network = Network::new(mesh, &[fixed, &guard::passing(mesh, planes)].concat())?;
@@ -80,7 +82,8 @@ pub fn fair(
     let size = mesh.bounds().map_or(0.0, |bounds| bounds.diagonal());
     let mut left = BTreeSet::new();
     for _ in 0..TRIES {
-        let made = smoothed(network.clone(), &solids, planes, &left, options)?;
+        progress.begin("fairing", LEVELS.len() as u64 * u64::from(options.steps));
+        let made = smoothed(network.clone(), &solids, planes, &left, options, progress)?;
         let mut spoiled = solids.spoiled(&made);
         spoiled.extend(Flat::of(&made, planes).grown(&flat, size));
         let found = made.crossings()?;
@@ -106,6 +109,7 @@ fn smoothed(
     planes: &[Plane],
     left: &BTreeSet<u32>,
     options: &FairingOptions,
+    progress: &dyn Progress,
 ) -> Result<Network> {
     network.pin(left);
     for level in LEVELS {
@@ -113,10 +117,12 @@ fn smoothed(
         network.remesh(level * options.edge_length, left, &sides)?;
         let mut steps = options.steps;
         while steps > 0 {
-            let before = network.mesh.vertices.clone();
-            network.smooth(steps.min(BETWEEN_LOOKS));
+            progress.go_on()?;
+            let (before, taken) = (network.mesh.vertices.clone(), steps.min(BETWEEN_LOOKS));
+            network.smooth(taken);
             network.settle(&before, planes)?;
-            steps -= steps.min(BETWEEN_LOOKS);
+            progress.advance(taken.into());
+            steps -= taken;
         }
         if !solids.spoiled(&network).is_subset(left) {
             return Ok(network);

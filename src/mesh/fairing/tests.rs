@@ -7,6 +7,7 @@ use super::*;
 use crate::label::Label;
 use crate::mesh::shapes::assert_edge_manifold;
 use crate::plane::Plane;
+use crate::progress::Silent;
 
 const A: Label = Label(1);
 const B: Label = Label(2);
@@ -111,7 +112,7 @@ fn stacked(upper: Label) -> (Mesh, Vec<[u32; 2]>) {
 
 /// The fair mesh, no patch of which was left as it was.
 fn made(mesh: &Mesh, fixed: &[[u32; 2]], planes: &[Plane], options: FairingOptions) -> Mesh {
-    let fair = fair(mesh, fixed, planes, &options).expect("a fair mesh");
+    let fair = fair(mesh, fixed, planes, &options, &Silent).expect("a fair mesh");
     assert_eq!(fair.left, 0);
     fair.mesh
 }
@@ -185,7 +186,7 @@ fn any_number_of_threads_gives_the_same() {
     let options = FairingOptions { edge_length: 0.2, steps: 5 };
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| fair(&mesh, &fixed, &[], &options).unwrap())
+        pool.install(|| fair(&mesh, &fixed, &[], &options, &Silent).unwrap())
     };
     assert!(on(1) == on(3));
 }
@@ -194,10 +195,12 @@ fn any_number_of_threads_gives_the_same() {
 fn what_cannot_be_is_an_error() {
     let (mesh, fixed) = stacked(A);
     for edge_length in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        assert!(fair(&mesh, &fixed, &[], &FairingOptions { edge_length, steps: 1 }).is_err());
+        assert!(
+            fair(&mesh, &fixed, &[], &FairingOptions { edge_length, steps: 1 }, &Silent).is_err()
+        );
     }
     let options = FairingOptions { edge_length: 1.0, steps: 1 };
-    assert!(matches!(fair(&mesh, &[[0, 24]], &[], &options), Err(Error::Mesh(_))));
+    assert!(matches!(fair(&mesh, &[[0, 24]], &[], &options, &Silent), Err(Error::Mesh(_))));
     assert_eq!(made(&Mesh::default(), &[], &[], options), Mesh::default());
 }
 
@@ -224,7 +227,7 @@ fn what_would_vanish_stays_as_it_is() {
     let mesh = lathe(12, &[(-0.1, 1.0, A), (0.0, 1.0, A), (0.1, 1.0, A)]);
     let fixed = ring_edges(12, 1);
     let options = FairingOptions { edge_length: 0.05, steps: 200 };
-    let fair = fair(&mesh, &fixed, &[], &options).unwrap();
+    let fair = fair(&mesh, &fixed, &[], &options, &Silent).unwrap();
     let [before, after] = [&mesh, &fair.mesh].map(|mesh| mesh.surface(A).facts(true).unwrap());
     assert!(after.outward && after.self_intersections == Some(0));
     assert!(after.volume > 0.5 * before.volume, "{} of {}", after.volume, before.volume);
@@ -251,7 +254,7 @@ fn sheets_that_are_close_do_not_come_to_cross() {
     let fixed: Vec<[u32; 2]> = (0..9).flat_map(|at| of(3 * at + 1)).collect();
     assert_eq!(mesh.surface(A).facts(true).unwrap().self_intersections, Some(0));
     let options = FairingOptions { edge_length: 0.04, steps: 100 };
-    let fair = fair(&mesh, &fixed, &[], &options).unwrap();
+    let fair = fair(&mesh, &fixed, &[], &options, &Silent).unwrap();
     let facts = fair.mesh.surface(A).facts(true).unwrap();
     assert!(facts.closed && facts.outward, "{facts:?}");
     assert_eq!(facts.self_intersections, Some(0));
