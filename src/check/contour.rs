@@ -6,12 +6,12 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::components::components;
 use crate::error::Result;
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::nearest::Nearest;
 use crate::section::{Edge, Section};
+use crate::sets::components;
 
 /// Beyond how many voxels a contour vertex counts as far from the surface,
 /// and below which width a contour counts as thin.

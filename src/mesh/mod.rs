@@ -7,7 +7,6 @@ pub mod dual;
 pub mod facts;
 pub mod fairing;
 pub mod nearest;
-pub(crate) mod sets;
 #[cfg(test)]
 pub(crate) mod shapes;
 mod sheets;
