@@ -105,7 +105,8 @@ mod output;
 pub mod picture;
 pub mod plane;
 pub mod progress;
-mod random;
+#[doc(hidden)] // for the tests alone
+pub mod random;
 pub mod report;
 pub mod section;
 mod sets;

@@ -2,11 +2,15 @@
 //! round trips, and damaged text.
 
 mod common;
+#[path = "common/random.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
+mod random;
 
 use std::path::{Path, PathBuf};
 
 use common::data;
 use glam::DVec3;
+use random::Random;
 use transect::error::Result;
 use transect::inspect::{Inspection, inspect};
 use transect::io::{csl, json, read_all, read_sections};
@@ -426,21 +430,9 @@ fn real_files_survive_a_round_trip() {
     }
 }
 
-/// A small generator of numbers (xorshift), so that every run is the same.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % bound as u64) as usize
-    }
-}
-
 #[test]
 fn damaged_files_never_panic() {
-    let mut random = Random(0x5eed_5eed_5eed_5eed);
+    let mut random = Random::new(0x5eed_5eed_5eed_5eed);
     for Good { file, .. } in GOOD {
         let path = corpus(file);
         let bytes = std::fs::read(&path).unwrap();
