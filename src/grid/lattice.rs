@@ -1,6 +1,7 @@
 //! Where the grid's nodes are.
 
 use crate::error::{Error, Result};
+use crate::label::Label;
 use crate::plane::Bounds;
 
 use super::samples::{LEAF_SIDE, Lattice};
@@ -64,6 +65,11 @@ impl Lattice {
     pub fn leaf_at(&self, index: usize) -> [i32; 3] {
         let [_, y, z] = self.leaf_dims().map(|leaves| leaves as usize);
         [index / (y * z), index / z % y, index % z].map(|at| at as i32)
+    }
+
+    /// The label of a leaf, of those of all leaves of the lattice. Beyond it all is outside.
+    pub fn tile(&self, tiles: &[Label], at: [i32; 3]) -> Label {
+        if self.has_leaf(at) { tiles[self.leaf_index(at)] } else { Label::OUTSIDE }
     }
 }
 
