@@ -11,7 +11,8 @@ use crate::label::Label;
 /// digits after the point, of vertices that lie near their planes.
 const NOISE: f64 = 1e-8;
 
-/// How two sections differ along their common line.
+/// How two sections differ along their common line, as drawn and up to rounding. What of it
+/// the exact reconstruction has to bridge is a [`Contradiction`](crate::skeleton::Contradiction).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Disagreement {
     /// The names of the two sections.
