@@ -128,6 +128,12 @@ impl Section {
         labels.dedup();
         labels
     }
+
+    /// Whether a part of the plane is unknown, or all of it.
+    pub fn is_partial(&self) -> bool {
+        let unknown = |edge: &Edge| edge.left == Label::UNKNOWN || edge.right == Label::UNKNOWN;
+        self.background == Label::UNKNOWN || self.edges.iter().any(unknown)
+    }
 }
 
 /// Something doubtful that was dealt with; an error under `--strict`.
