@@ -124,7 +124,7 @@ pub use cli::run;
 pub use compare::compare;
 pub use context::Context;
 pub use crosscheck::crosscheck;
-pub use error::{Error, Result};
+pub use error::{Error, Remedy, Result};
 pub use field::Device;
 pub use glam::DVec3;
 pub use grid::lattice::Resolution;

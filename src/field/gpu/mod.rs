@@ -262,7 +262,7 @@ mod tests {
         for batch in batches(gpu.cpu.cells(), &queries, gpu.limits) {
             gpu.spot_check(&queries, &batch, &right).unwrap();
             let error = gpu.spot_check(&queries, &batch, &stale).unwrap_err();
-            assert!(error.to_string().contains("use --device cpu"), "{error}");
+            assert!(error.to_string().contains("use the CPU"), "{error}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use cxx::UniquePtr;
 
 use super::library;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::ffi::vdb as ffi;
 use crate::grid::labels::LabelGrid;
 use crate::grid::volume::{self, Volume};
@@ -26,10 +26,11 @@ pub fn add_labels(
 
 fn number(label: Label, name: &str) -> Result<i32> {
     i32::try_from(label.0).map_err(|_| {
-        Error::Option(format!(
-            "the grid {name} cannot hold the label {label}, which is over {}: leave it out of \
-             --grids, or number the labels anew",
+        let what = format!(
+            "the grid {name} cannot hold the label {label}, which is over {}: number the labels \
+             anew",
             i32::MAX
-        ))
+        );
+        Error::Option(what).avoidable(Remedy::OtherGrids)
     })
 }
