@@ -39,7 +39,7 @@ fn mixture(seed: u64) -> Vec<Section> {
         let kind = random.bits();
         let polygons = star(&mut random, kind);
         let background = polygons[0].1[1];
-        section(plane(normal, offset), &polygons, background)
+        partition(plane(normal, offset), &polygons, background)
     });
     sections.collect()
 }
