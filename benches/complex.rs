@@ -13,6 +13,7 @@ use transect::error::Result;
 use transect::io;
 use transect::label::Label;
 use transect::plane::{Bounds, Plane};
+use transect::random::Random;
 use transect::section::{Rules, Section};
 
 /// How many random planes there are.
@@ -71,14 +72,8 @@ fn row(name: &str, sections: &[Section], bounds: Bounds) -> Result<()> {
 
 /// Planes through the cube in all directions, without contours.
 fn random_planes(count: usize) -> Result<Vec<Section>> {
-    let mut state = 1_u64;
-    // A linear congruential generator (Knuth's MMIX).
-    let mut next = || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
-    let mut point = || DVec3::new(next(), next(), next());
+    let mut random = Random::new(1);
+    let mut point = || DVec3::from_array(std::array::from_fn(|_| 2.0 * random.unit() - 1.0));
     (0..count)
         .map(|index| {
             let (normal, through) = (point(), point());

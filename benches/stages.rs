@@ -226,7 +226,7 @@ fn rate_of(bounds: Bounds, count: u32, label: impl Fn(DVec3) -> Label + Sync) ->
     f64::from(count) / start.elapsed().as_secs_f64()
 }
 
-/// What the oracle says of full sections, in plain floats without any index.
+/// What the oracle says of full sections, with rounded feet and without any index.
 fn plain_label(sections: &[Section], bounds: Bounds, point: DVec3) -> Label {
     let to_box = (point - bounds.min).min(bounds.max - point).min_element();
     let distance = |section: &&Section| section.plane().distance(point).abs();
@@ -236,19 +236,7 @@ fn plain_label(sections: &[Section], bounds: Bounds, point: DVec3) -> Label {
     };
     let plane = section.plane();
     let foot = plane.project(point - plane.distance(point) * plane.unit_normal());
-    let mut label = section.background().0;
-    for edge in section.edges() {
-        let [start, end] = [edge.start, edge.end].map(|at| section.vertices()[at as usize] - foot);
-        if (start.y <= 0.0) != (end.y <= 0.0) {
-            let upward = end.y > 0.0;
-            if (start.perp_dot(end) > 0.0) == upward {
-                let [here, beyond] =
-                    if upward { [edge.left, edge.right] } else { [edge.right, edge.left] };
-                label = label.wrapping_add(here.0.wrapping_sub(beyond.0));
-            }
-        }
-    }
-    Label(label)
+    section.label_at(foot)
 }
 
 /// One row of the table of backends.

@@ -1,6 +1,7 @@
 //! The one error type. Every message says what is wrong and where, then what
 //! to do about it.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Why something could not be done.
@@ -40,7 +41,7 @@ pub enum Error {
     #[error("{0}")]
     Option(String),
     /// The result would not fit into memory.
-    #[error("{what} would take about {} of memory, and {} are available: {hint}",
+    #[error("{what} would take about {} of memory, and {} are available",
             gibibytes(*needed), gibibytes(*available))]
     Memory {
         /// What would be built.
@@ -49,11 +50,9 @@ pub enum Error {
         needed: u64,
         /// Bytes there are.
         available: u64,
-        /// What to do.
-        hint: String,
     },
     /// The GPU, or the way to it, failed.
-    #[error("GPU: {0}")]
+    #[error("GPU: {0}; use the CPU")]
     Device(String),
     /// [`Progress::is_cancelled`](crate::progress::Progress::is_cancelled) said so.
     #[error("cancelled")]
@@ -74,6 +73,52 @@ pub enum Error {
         /// What did not hold.
         what: String,
     },
+    /// An error that would not have been one with other options.
+    #[error("{error}{remedy}")]
+    Avoidable {
+        /// The error.
+        error: Box<Error>,
+        /// What to ask for instead.
+        remedy: Remedy,
+    },
+}
+
+/// What to ask for instead: an option of the library, in plain words that follow what is
+/// wrong. A program that has a name of its own for it may say that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Remedy {
+    /// Another [`Resolution`](crate::Resolution).
+    CoarserLattice,
+    /// A longer [`Fairing::edge_length`](crate::method::Fairing).
+    LongerEdges,
+    /// A larger size or distance in [`delaunay::Options`](crate::mesh::delaunay::Options).
+    LargerTriangles,
+    /// A larger [`MeanValue::spacing`](crate::MeanValue).
+    LargerSpacing,
+    /// No [`Rules::strict`](crate::Rules).
+    NotStrict,
+    /// A [`Rules::overlap`](crate::Rules).
+    Overlap,
+    /// Another [`Rules::unknown`](crate::Rules), or none.
+    UnknownLabel,
+    /// Other [`VdbContents::grids`](crate::io::vdb::VdbContents).
+    OtherGrids,
+}
+
+impl fmt::Display for Remedy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::CoarserLattice => "; use a lower resolution or larger voxels",
+            Self::LongerEdges => "; use longer edges",
+            Self::LargerTriangles => "; use a larger size or distance",
+            Self::LargerSpacing => "; use a larger spacing",
+            Self::NotStrict => " (an error because warnings are)",
+            Self::Overlap => ", or say who wins",
+            Self::UnknownLabel => "; give another label that means unknown, or none",
+            Self::OtherGrids => ", or leave the grid out",
+        })
+    }
 }
 
 /// The result of anything that can fail.
@@ -88,6 +133,19 @@ impl Error {
     /// Wrong content of a file, at a place.
     pub fn input(file: &Path, place: impl ToString, what: impl ToString) -> Self {
         Self::Input { file: file.to_owned(), place: place.to_string(), what: what.to_string() }
+    }
+
+    /// The same, with what to ask for instead.
+    pub fn avoidable(self, remedy: Remedy) -> Self {
+        Self::Avoidable { error: Box::new(self), remedy }
+    }
+
+    /// Another error, with the same to ask for instead.
+    pub(crate) fn map(self, change: impl FnOnce(Self) -> Self) -> Self {
+        match self {
+            Self::Avoidable { error, remedy } => error.map(change).avoidable(remedy),
+            own => change(own),
+        }
     }
 
     /// An exception from C++.

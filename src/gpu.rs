@@ -58,7 +58,7 @@ impl Connection {
         let descriptor =
             wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|error| Error::Device(format!("{error}; use --device cpu")))?;
+            .map_err(|error| Error::Device(error.to_string()))?;
         let complaints = Arc::new(Mutex::new(Vec::new()));
         let book = Arc::clone(&complaints);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -91,13 +91,11 @@ impl Connection {
     /// The error for results that cannot be right.
     pub fn garbage(&self, what: &str) -> Error {
         let name = self.name();
-        Error::Device(format!(
-            "{name} returned {what}; its driver may have ended the work early: use --device cpu"
-        ))
+        Error::Device(format!("{name} returned {what}; its driver may have ended the work early"))
     }
 
     fn failed(&self, what: impl std::fmt::Display) -> Error {
-        Error::Device(format!("{}: {what}; use --device cpu", self.info.name))
+        Error::Device(format!("{}: {what}", self.info.name))
     }
 
     pub fn pipeline(&self, name: &str, shader: &str, entry: &str) -> wgpu::ComputePipeline {
@@ -239,8 +237,8 @@ fn choose(kind: Adapter) -> Result<wgpu::Adapter> {
 }
 
 fn no_adapter() -> Error {
-    let what = "no usable GPU adapter was found: use --device cpu, or install a driver \
-                (mesa-vulkan-drivers has a software adapter)";
+    let what = "no usable GPU adapter was found: install a driver (mesa-vulkan-drivers has a \
+                software adapter)";
     Error::Device(what.to_owned())
 }
 

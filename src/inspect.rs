@@ -164,7 +164,7 @@ fn content(sections: &Sections, regions: &[Vec<Region>], label: Label) -> Conten
 /// How much of a section is unknown; `None` where all is known. The rectangle
 /// is full of bounded regions and of the unbounded one.
 fn unknown(section: &Section, regions: &[Region]) -> Option<Unknown> {
-    if !section.labels().contains(&Label::UNKNOWN) {
+    if !section.is_partial() {
         return None;
     }
     let name = section.name().to_owned();

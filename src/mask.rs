@@ -45,7 +45,7 @@ pub fn mask(mut sections: Sections, mask: &Mask) -> Result<Sections> {
     let middle = sections.bounds().map_or(DVec3::ZERO, |bounds| bounds.middle());
     let mut seeds = Random::new(mask.blobs.map_or(0, |blobs| blobs.seed));
     let all: Vec<(u64, Section)> =
-        std::mem::take(&mut sections.sections).into_iter().map(|one| (seeds.next(), one)).collect();
+        std::mem::take(&mut sections.sections).into_iter().map(|one| (seeds.bits(), one)).collect();
     sections.sections = all
         .into_par_iter()
         .map(|(seed, section)| masked(section, mask, seed, middle))

@@ -98,7 +98,10 @@ fn a_loop_that_crosses_itself_is_a_warning_and_with_strict_an_error() {
         command.arg("reconstruct").arg(repository("tests/corpus/bowtie.csl")).args(COARSE);
         run(command.args(more).arg("-o").arg(folder.path().join("a.ply")))
     };
-    assert_refused(&bowtie(&["--strict"]), &["bowtie.csl", "section", "crosses itself"]);
+    assert_refused(
+        &bowtie(&["--strict"]),
+        &["bowtie.csl", "section", "crosses itself", "--strict"],
+    );
     assert!(entries(folder.path()).is_empty());
     let output = bowtie(&[]);
     assert_done(&output);

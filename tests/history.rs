@@ -140,8 +140,7 @@ fn follow(method: Method, seeds: Range<u64>, same: impl Fn(&Model, &Model) -> Re
 /// Sums over a cell's edges may come in another order, in single precision; shares of
 /// unknown regions are the same but for what a sweep still changes.
 fn same_values(one: &Model, other: &Model) -> Result<(), String> {
-    let is_partial = |(_, section): (_, &Section)| section.labels().contains(&Label::UNKNOWN);
-    let most = if one.given().any(is_partial) { 5e-4 } else { 2e-6 };
+    let most = if one.given().any(|(_, section)| section.is_partial()) { 5e-4 } else { 2e-6 };
     let [one, other] = [one, other].map(|model| &model.derived().expect("samples").samples);
     if (&one.valued, &one.tiles) != (&other.valued, &other.tiles) {
         return Err("leaves differ".to_owned());

@@ -4,8 +4,8 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::mesh::Surface;
-use crate::mesh::sets::Sets;
 use crate::section::Section;
+use crate::sets::Sets;
 
 /// How many pieces are listed.
 const LISTED: usize = 8;

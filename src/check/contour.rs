@@ -6,13 +6,12 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::overlap::Here;
-use crate::components::components;
 use crate::error::Result;
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::nearest::Nearest;
 use crate::section::{Edge, Section};
+use crate::sets::components;
 
 /// Beyond how many voxels a contour vertex counts as far from the surface,
 /// and below which width a contour counts as thin.
@@ -232,17 +231,24 @@ fn note(place: &mut Option<Place>, section: &Section, label: Label, point: DVec3
 /// A section laid out flat, in voxels.
 struct Surroundings<'a> {
     section: &'a Section,
+    /// The place (0, 0), in world units.
+    origin: DVec3,
+    /// The sides of a voxel, in world units.
+    axes: [DVec3; 2],
     points: Vec<DVec2>,
 }
 
 impl<'a> Surroundings<'a> {
     fn new(section: &'a Section, voxel: f64) -> Self {
-        let axes = section.plane().tangents().map(|tangent| tangent / voxel);
+        let plane = section.plane();
+        let [first, second] = plane.tangents().map(|tangent| tangent / voxel);
         let points = (0..section.vertices().len() as u32)
             .map(|vertex| section.point(vertex))
-            .map(|point| DVec2::new(point.dot(axes[0]), point.dot(axes[1])))
+            .map(|point| DVec2::new(point.dot(first), point.dot(second)))
             .collect();
-        Self { section, points }
+        let origin = -plane.distance(DVec3::ZERO) * plane.unit_normal();
+        let axes = plane.tangents().map(|tangent| tangent * voxel);
+        Self { section, origin, axes, points }
     }
 
     /// Whether the contour of `label` is thin at a vertex: no disc of
@@ -288,23 +294,11 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// The label at a point: what a ray that comes from the right, far away,
-    /// has entered when it gets there.
+    /// The label at a point.
     fn label_at(&self, at: DVec2) -> Label {
-        let mut here = Here::new(self.section.background());
-        for ([start, end], [left, right]) in self.ends() {
-            if (start.y <= at.y) == (end.y <= at.y) {
-                continue;
-            }
-            let x = start.x + (at.y - start.y) / (end.y - start.y) * (end.x - start.x);
-            if x > at.x {
-                // Left of an upward edge is what the ray goes to.
-                let upward = start.y < end.y;
-                let (from, to) = if upward { (right, left) } else { (left, right) };
-                here.change(from, to);
-            }
-        }
-        here.label()
+        let [first, second] = self.axes;
+        let point = self.origin + at.x * first + at.y * second;
+        self.section.label_at(self.section.plane().project(point))
     }
 }
 

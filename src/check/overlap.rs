@@ -10,7 +10,7 @@ use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::cut::Cut;
 use crate::plane::Plane;
-use crate::section::{Edge, Section};
+use crate::section::{Edge, Here, Section};
 
 /// Pixels of one label on the section, on the mesh's cut, and on both.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -151,29 +151,6 @@ impl Rows {
 /// The first pixel whose centre is not before `at`.
 fn first_centre(at: f64) -> i64 {
     (at - 0.5).ceil() as i64
-}
-
-/// The label at a place of a row, from the changes before it: each label is
-/// entered once more than left where it holds. This does not depend on the
-/// order of changes that rounding puts at the same place.
-pub(super) struct Here {
-    entered: BTreeMap<Label, i32>,
-}
-
-impl Here {
-    pub(super) fn new(background: Label) -> Self {
-        Self { entered: BTreeMap::from([(background, 1)]) }
-    }
-
-    pub(super) fn change(&mut self, from: Label, to: Label) {
-        *self.entered.entry(from).or_default() -= 1;
-        *self.entered.entry(to).or_default() += 1;
-    }
-
-    pub(super) fn label(&self) -> Label {
-        let holds = self.entered.iter().find(|(_, entered)| **entered > 0);
-        holds.map_or(Label::OUTSIDE, |(label, _)| *label)
-    }
 }
 
 fn count(rows: &Rows, background: Label) -> BTreeMap<Label, Counts> {

@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use super::components::Components;
 use super::raster::{Raster, Region};
-use crate::components::components;
 use crate::label::Label;
 use crate::section::{Section, Stack};
+use crate::sets::components;
 
 /// Regions of fewer pixels, each a voxel on a side, are too small for the
 /// lattice to say what they are joined to.

@@ -36,3 +36,31 @@ pub fn disc(plane: Plane, radius: f64, corners: u32, label: Label) -> Section {
         (0..corners).map(|at| radius * DVec2::from_angle(turn * f64::from(at))).collect();
     section(plane, &corners, label)
 }
+
+/// A plane with polygons on it by kept coordinates, counter-clockwise, and the labels left and
+/// right of their edges.
+pub fn partition(
+    plane: Plane,
+    polygons: &[(Vec<DVec2>, [Label; 2])],
+    background: Label,
+) -> Section {
+    let mut section =
+        Section { name: "test".into(), plane, vertices: vec![], edges: vec![], background };
+    for (corners, [left, right]) in polygons {
+        let (first, count) = (section.vertices.len() as u32, corners.len() as u32);
+        let edge = |at| Edge {
+            start: first + at,
+            end: first + (at + 1) % count,
+            left: *left,
+            right: *right,
+        };
+        section.edges.extend((0..count).map(edge));
+        section.vertices.extend(corners);
+    }
+    section
+}
+
+/// The corners of a rectangle, counter-clockwise.
+pub fn rectangle(min: [f64; 2], max: [f64; 2]) -> Vec<DVec2> {
+    [min, [max[0], min[1]], max, [min[0], max[1]]].map(DVec2::from).to_vec()
+}

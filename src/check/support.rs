@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::grid::evidence::Evidence;
-
 use crate::mesh::Mesh;
 use crate::section::Section;
+use crate::sets::Sets;
 
 /// The share of the surface's area that counts as poorly supported.
 const SHARE: f64 = 0.05;
@@ -101,16 +101,16 @@ fn farthest(triangles: &[Measured]) -> (f64, Vec<u32>) {
 
 /// Triangles that share a vertex belong to one part.
 fn connected_parts(mesh: &Mesh, triangles: &[Measured], weak: &[u32]) -> Vec<Part> {
-    let mut roots = Roots { parent: (0..mesh.vertices.len() as u32).collect() };
+    let mut sets = Sets::new(mesh.vertices.len());
     for &triangle in weak {
         let [a, b, c] = mesh.triangles[triangle as usize];
-        roots.join(a, b);
-        roots.join(b, c);
+        sets.join(a, b);
+        sets.join(b, c);
     }
     let mut parts: BTreeMap<u32, Part> = BTreeMap::new();
     for &triangle in weak {
         let Measured { area, center, distance } = triangles[triangle as usize];
-        let root = roots.root(mesh.triangles[triangle as usize][0]);
+        let root = sets.root(mesh.triangles[triangle as usize][0]);
         let nothing = Part { area: 0.0, at: [0.0; 3], distance: 0.0, labels: Vec::new() };
         let part = parts.entry(root).or_insert(nothing);
         part.area += area;
@@ -126,28 +126,6 @@ fn connected_parts(mesh: &Mesh, triangles: &[Measured], weak: &[u32]) -> Vec<Par
         part
     };
     parts.into_values().map(centred).collect()
-}
-
-/// A union-find structure over vertices.
-struct Roots {
-    parent: Vec<u32>,
-}
-
-impl Roots {
-    fn root(&mut self, mut vertex: u32) -> u32 {
-        while self.parent[vertex as usize] != vertex {
-            let above = self.parent[vertex as usize];
-            self.parent[vertex as usize] = self.parent[above as usize];
-            vertex = above;
-        }
-        vertex
-    }
-
-    /// The smaller vertex becomes the root.
-    fn join(&mut self, one: u32, other: u32) {
-        let (one, other) = (self.root(one), self.root(other));
-        self.parent[one.max(other) as usize] = one.min(other);
-    }
 }
 
 #[cfg(test)]

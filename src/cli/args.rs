@@ -12,12 +12,13 @@ use serde::{Serialize, Serializer};
 use crate::error::Error;
 use crate::field::Device;
 use crate::grid::lattice::Resolution;
+use crate::io::read_all;
 use crate::label::Label;
 use crate::mesh::delaunay;
 use crate::method::{Caps, Mesher};
 use crate::model;
 use crate::picture::{self, Viewpoint};
-use crate::section::{Overlap, Rules};
+use crate::section::{Overlap, Rules, Sections};
 
 pub use online::{FrameKind, OnlineArguments};
 pub use slice::{AxisName, SliceArguments};
@@ -50,17 +51,13 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct ReconstructArguments {
-    /// Section files: .csl, .contour, .json
-    #[arg(required = true, value_name = "SECTIONS")]
-    pub sections: Vec<PathBuf>,
     /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
     pub method: MethodArguments,
-    /// Threads [default: as many as there are processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub threads: Option<u32>,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
     /// Grids of a .vdb file, separated by commas: surface, density, label, surface_<label>, indicator_<label>, evidence, margin; * for every label
     #[arg(
         long,
@@ -78,7 +75,7 @@ pub struct ReconstructArguments {
     #[command(flatten)]
     pub picture: PictureArguments,
     #[command(flatten)]
-    pub reading: ReadingArguments,
+    pub input: InputArguments,
     /// No progress, no warnings, no table
     #[arg(short, long)]
     pub quiet: bool,
@@ -213,6 +210,29 @@ impl PictureArguments {
     }
 }
 
+#[derive(Debug, Args)]
+pub struct ThreadsArgument {
+    /// Threads [default: as many as there are processors]
+    #[arg(long = "threads", value_name = "N",
+          value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub count: Option<u32>,
+}
+
+#[derive(Debug, Args)]
+pub struct InputArguments {
+    /// Section files: .csl, .contour, .json
+    #[arg(required = true, value_name = "SECTIONS")]
+    pub sections: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+}
+
+impl InputArguments {
+    pub fn read(&self) -> crate::error::Result<Sections> {
+        read_all(&self.sections, &self.reading.rules())
+    }
+}
+
 #[derive(Debug, Clone, Args, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ReadingArguments {
@@ -242,9 +262,6 @@ impl ReadingArguments {
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("parts").required(true).multiple(true)))]
 pub struct MaskArguments {
-    /// Section files: .csl, .contour, .json
-    #[arg(required = true, value_name = "SECTIONS")]
-    pub sections: Vec<PathBuf>,
     /// Random blobs that cover this part, between 0 and 1, of the rectangle around every section's contours
     #[arg(long, value_name = "FRACTION", group = "parts", value_parser = fraction)]
     pub blobs: Option<f64>,
@@ -262,7 +279,7 @@ pub struct MaskArguments {
     #[arg(short, long, value_name = "FILE.json")]
     pub output: PathBuf,
     #[command(flatten)]
-    pub reading: ReadingArguments,
+    pub input: InputArguments,
     /// No warnings
     #[arg(short, long)]
     pub quiet: bool,
@@ -270,14 +287,11 @@ pub struct MaskArguments {
 
 #[derive(Debug, Args)]
 pub struct InspectArguments {
-    /// Section files: .csl, .contour, .json
-    #[arg(required = true, value_name = "SECTIONS")]
-    pub sections: Vec<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub reading: ReadingArguments,
+    pub input: InputArguments,
 }
 
 #[derive(Debug, Args)]
@@ -298,9 +312,6 @@ pub struct CompareArguments {
 
 #[derive(Debug, Args)]
 pub struct CrosscheckArguments {
-    /// Section files: .csl, .contour, .json
-    #[arg(required = true, value_name = "SECTIONS")]
-    pub sections: Vec<PathBuf>,
     /// An output file, its kind by its name; can be repeated. .vdb: both labels, and how far from each node that differs they agree; .png: the field's surface coloured by its distance from the exact one
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
@@ -343,11 +354,10 @@ pub struct CrosscheckArguments {
     /// Where the field is evaluated: auto takes a real GPU when there is one; gpu takes a software adapter too
     #[arg(long, value_enum, default_value_t = DeviceName::Auto)]
     pub device: DeviceName,
-    /// Threads [default: as many as there are processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub threads: Option<u32>,
     #[command(flatten)]
-    pub reading: ReadingArguments,
+    pub threads: ThreadsArgument,
+    #[command(flatten)]
+    pub input: InputArguments,
     /// No progress, no warnings, no table
     #[arg(short, long)]
     pub quiet: bool,

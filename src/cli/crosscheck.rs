@@ -11,7 +11,6 @@ use crate::crosscheck::{Findings, Kind, Options, Other, crosscheck};
 use crate::error::{Error, Result};
 use crate::io::mesh::read_mesh;
 use crate::io::vdb::{self, DifferenceContents};
-use crate::io::{self};
 use crate::mesh::delaunay;
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
@@ -28,12 +27,12 @@ pub fn run(arguments: &CrosscheckArguments) -> Result<()> {
     let targets = arguments.output.iter().map(|path| target(path)).collect::<Result<Vec<_>>>()?;
     let known = arguments.output.iter().chain(&arguments.report);
     let mut outputs = Outputs::reserve(known.map(|path| path.as_path()))?;
-    super::limit_threads(arguments.threads)?;
+    super::limit_threads(arguments.threads.count)?;
 
     let watcher = Watcher::new(arguments.quiet);
     let mut stages = Stages::default();
-    let rules = arguments.reading.rules();
-    let sections = stages.run("read", |_| io::read_all(&arguments.sections, &rules))?;
+    let rules = arguments.input.reading.rules();
+    let sections = stages.run("read", |_| arguments.input.read())?;
     if !arguments.quiet {
         print_warnings(&sections);
     }

@@ -4,10 +4,9 @@ use super::args::InspectArguments;
 use super::print;
 use crate::error::Result;
 use crate::inspect::inspect;
-use crate::io;
 
 /// Reads, looks and prints.
 pub fn run(arguments: &InspectArguments) -> Result<()> {
-    let sections = io::read_all(&arguments.sections, &arguments.reading.rules())?;
+    let sections = arguments.input.read()?;
     print(arguments.json, &inspect(&sections)?, ToString::to_string)
 }

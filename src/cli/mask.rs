@@ -16,7 +16,7 @@ pub fn run(arguments: &MaskArguments) -> Result<()> {
         return Err(Error::file(path, what));
     }
     let mut outputs = Outputs::reserve([path.as_path()])?;
-    let sections = io::read_all(&arguments.sections, &arguments.reading.rules())?;
+    let sections = arguments.input.read()?;
     if !arguments.quiet {
         print_warnings(&sections);
     }

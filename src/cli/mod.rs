@@ -4,6 +4,7 @@ mod args;
 mod bars;
 mod compare;
 mod crosscheck;
+mod errors;
 mod frames;
 mod inspect;
 mod mask;
@@ -42,10 +43,7 @@ pub fn run() -> ExitCode {
     match start().and_then(|()| dispatch(&arguments.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // One line, whatever a library's words contain.
-            let words = error.to_string();
-            let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
-            eprintln!("error: {words}");
+            eprintln!("error: {}", errors::line(&error));
             ExitCode::FAILURE
         }
     }

@@ -82,7 +82,7 @@ impl<'a> Online<'a> {
         }
         // They are written much later, but what is wrong with them is told now.
         reserve(&targets, arguments)?;
-        super::limit_threads(arguments.threads)?;
+        super::limit_threads(arguments.threads.count)?;
         let frames = emit.as_ref().map(|path| Frames::new(path, *emit_kind, arguments.resume));
         let frames = frames.transpose()?;
         let mut stages = Stages::default();

@@ -11,7 +11,6 @@ use crate::change::Change;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::io::exact::write_exact;
-use crate::io::{self};
 use crate::model::{Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::report::Report;
@@ -28,13 +27,12 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let options = Options { method, resolution, bounds: None };
     require_picture(&arguments.picture, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
-    super::limit_threads(arguments.threads)?;
+    super::limit_threads(arguments.threads.count)?;
 
     let watcher = Watcher::new(arguments.quiet);
-    let mut context = Context::new(arguments.reading.rules(), watcher.progress());
-    let Context { rules, stages, .. } = &mut context;
-    let sections = stages.run("read", |counts| {
-        let sections = io::read_all(&arguments.sections, rules)?;
+    let mut context = Context::new(arguments.input.reading.rules(), watcher.progress());
+    let sections = context.stages.run("read", |counts| {
+        let sections = arguments.input.read()?;
         let vertices: usize = sections.sections.iter().map(|one| one.vertices().len()).sum();
         counts.insert("vertices".into(), vertices as u64);
         Ok(sections)

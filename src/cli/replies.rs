@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::errors;
 use crate::error::{Error, Result};
 use crate::online::Resumed;
 use crate::online::answer::Answer;
@@ -49,10 +50,9 @@ pub enum What<'a> {
 }
 
 impl What<'_> {
-    /// An error, as one line whatever a library's words contain.
+    /// An error.
     pub fn refused(error: &Error) -> Self {
-        let words = error.to_string();
-        Self::Refused { error: words.split_whitespace().collect::<Vec<_>>().join(" ") }
+        Self::Refused { error: errors::line(error) }
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::mesh::Surface;
+use crate::random::Random;
 
 /// The points alone of [`draw_on`].
 pub fn draw(surface: &Surface, count: u32, seed: u64) -> Vec<DVec3> {
@@ -17,7 +18,7 @@ pub fn draw_on(surface: &Surface, count: u32, seed: u64) -> Vec<(usize, DVec3)> 
         .map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
         .collect();
     let total: f64 = areas.iter().sum();
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut triangle, mut passed) = (0, 0.0);
     (0..count)
         .map(|part| {
@@ -26,29 +27,16 @@ pub fn draw_on(surface: &Surface, count: u32, seed: u64) -> Vec<(usize, DVec3)> 
                 passed += areas[triangle];
                 triangle += 1;
             }
-            (triangle, random.point_in(surface.corners(triangle)))
+            (triangle, point_in(surface.corners(triangle), &mut random))
         })
         .collect()
 }
 
-/// The generator *SplitMix64*.
-struct Random(u64);
-
-impl Random {
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Uniform in a triangle: a point of a parallelogram, folded over.
-    fn point_in(&mut self, [a, b, c]: [DVec3; 3]) -> DVec3 {
-        let (s, t) = (self.unit(), self.unit());
-        let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
-        a + s * (b - a) + t * (c - a)
-    }
+/// Uniform in a triangle: a point of a parallelogram, folded over.
+fn point_in([a, b, c]: [DVec3; 3], random: &mut Random) -> DVec3 {
+    let (s, t) = (random.unit(), random.unit());
+    let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
+    a + s * (b - a) + t * (c - a)
 }
 
 #[cfg(test)]

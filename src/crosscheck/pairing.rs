@@ -17,12 +17,12 @@ use serde::Serialize;
 use super::agreement::Pair;
 use super::rows::Rows;
 use crate::complex::Complex;
-use crate::components::components;
 use crate::grid::labels::LabelGrid;
 use crate::grid::runs::{Neighbors, Run, Runs};
 use crate::grid::samples::Lattice;
 use crate::label::Label;
 use crate::progress::Progress;
+use crate::sets::components;
 
 /// Regions of fewer nodes are too small for the lattice to say what they are
 /// joined to.

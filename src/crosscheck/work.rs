@@ -128,9 +128,8 @@ impl Work<'_> {
 
     /// The skeleton's surface.
     fn skeleton(&self, base: Base, stages: &mut Stages) -> Result<(Mesh, SkeletonReport)> {
-        let unknown = |section: &Section| section.labels().contains(&Label::UNKNOWN);
-        let is_partial =
-            self.options.border != Label::OUTSIDE || self.sections().iter().any(unknown);
+        let is_partial = self.options.border != Label::OUTSIDE
+            || self.sections().iter().any(Section::is_partial);
         stages.run("skeleton", |counts| {
             let made = match is_partial {
                 true => self.sampled_skeleton(base),

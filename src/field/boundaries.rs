@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::completion::Completion;
 use crate::complex::{Complex, Facet};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::label::Label;
 
 /// The smallest clearance, in units of the box's diagonal or the cell's size.
@@ -66,9 +66,9 @@ impl<'a> Boundaries<'a> {
         }
         let finest = FINEST * bounds.size().max_element();
         if spacing < finest {
-            return Err(Error::Option(format!(
-                "a spacing of {spacing} is too small for this box: --spacing must be {finest} at least"
-            )));
+            let what =
+                format!("a spacing of {spacing} is too small for this box: the least is {finest}");
+            return Err(Error::Option(what).avoidable(Remedy::LargerSpacing));
         }
         // Below this f32 could underflow.
         let clearance = clearance.max(SMALLEST_CLEARANCE * bounds.diagonal());

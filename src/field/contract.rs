@@ -3,8 +3,9 @@
 use glam::{DVec2, DVec3};
 
 use super::cpu::Instructions;
-use super::fixture::{Patch, Pattern, Random, Stack, busy_stack, doubtful_stack};
+use super::fixture::{Patch, Pattern, Stack, busy_stack, doubtful_stack};
 use super::*;
+use crate::random::Random;
 
 /// In f, against the f64 reference.
 const TOLERANCE: f32 = 1e-4;
@@ -81,7 +82,7 @@ fn reproduces_constants(make: Make) {
     assert_eq!(field.labels(1), [Label::OUTSIDE, Label(3)]);
     assert_eq!(field.edges(0), 0);
     assert_eq!(field.edges(1), 6 * 4 + 20);
-    let queries = stack.queries(&mut Random(1), 100);
+    let queries = stack.queries(&mut Random::new(1), 100);
     let values = field.evaluate(&queries).unwrap();
     assert_eq!(values.len(), 100 + 200);
     assert!(values[..100].iter().all(|&f| f == 1.0));
@@ -90,7 +91,7 @@ fn reproduces_constants(make: Make) {
 }
 
 fn agrees_with_reference(make: Make) {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     for labels in [2, 3, 9] {
         for corners in [3, 16, 200] {
             let stack = busy_stack(&mut random, labels, corners);
@@ -103,7 +104,7 @@ fn agrees_with_reference(make: Make) {
 /// Unknown discs among the others, and one that reaches over them: values as
 /// the reference has them, by another formula.
 fn completes_unknown_regions(make: Make) {
-    let mut random = Random(13);
+    let mut random = Random::new(13);
     for labels in [2, 5, 20] {
         for corners in [3, 40] {
             let stack = doubtful_stack(&mut random, labels, corners);
@@ -115,7 +116,7 @@ fn completes_unknown_regions(make: Make) {
 
 /// Without f64 a GPU knows γ to 4e-11 of a cell's size.
 fn survives_thin_cells(make: Make) {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for thickness in [1e-2, 1e-4, 1e-5] {
         let mut stack = busy_stack(&mut random, 4, 30);
         stack.thickness = thickness;
@@ -126,7 +127,7 @@ fn survives_thin_cells(make: Make) {
 
 /// Projected map coordinates: millions of metres from the origin.
 fn survives_far_offsets(make: Make) {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let mut stack = busy_stack(&mut random, 4, 30);
     stack.offset = DVec3::new(4.5e5, 5.4e6, 300.0);
     let difference = largest_difference(make, &stack, &mut random, 500);
@@ -135,7 +136,7 @@ fn survives_far_offsets(make: Make) {
 
 /// Σ (f_l + 1) / 2 = Σ W_l / W = 1.
 fn sums_to_one(make: Make) {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let stack = busy_stack(&mut random, 7, 25);
     let complex = stack.complex();
     let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
@@ -155,7 +156,7 @@ fn tends_to_own_region(make: Make) {
     let mut disc = Pattern::plain(1);
     disc.patches.push(Patch::disc(DVec2::new(0.2, 0.1), 0.5, 40, 2, 1));
     let mut stack = Stack::new(vec![Pattern::plain(0), disc, Pattern::plain(0)]);
-    stack.rotation = Random(6).rotation();
+    stack.rotation = Random::new(6).rotation();
     let complex = stack.complex();
     let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
@@ -174,7 +175,7 @@ fn tends_to_own_region(make: Make) {
 
 /// Cutting and reordering runs changes no byte of any point's values.
 fn ignores_order_of_runs(make: Make) {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let stack = busy_stack(&mut random, 3, 12);
     let complex = stack.complex();
     let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
@@ -201,7 +202,7 @@ fn ignores_order_of_runs(make: Make) {
 }
 
 fn answers_nothing_with_nothing(make: Make) {
-    let stack = busy_stack(&mut Random(8), 3, 12);
+    let stack = busy_stack(&mut Random::new(8), 3, 12);
     let complex = stack.complex();
     let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
@@ -212,7 +213,7 @@ fn answers_nothing_with_nothing(make: Make) {
 
 /// More labels in a cell than a shader adds up at once.
 fn handles_many_labels(make: Make) {
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     let stack = busy_stack(&mut random, 49, 8);
     assert_eq!(stack.complex().cells()[0].labels.len(), 50);
     let difference = largest_difference(make, &stack, &mut random, 200);
@@ -220,7 +221,7 @@ fn handles_many_labels(make: Make) {
 }
 
 fn refuses_bad_runs(make: Make) {
-    let stack = busy_stack(&mut Random(10), 2, 6);
+    let stack = busy_stack(&mut Random::new(10), 2, 6);
     let complex = stack.complex();
     let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let Some(field) = make(&boundaries) else { return };
@@ -238,7 +239,7 @@ fn refuses_bad_runs(make: Make) {
 
 #[test]
 fn threads_change_nothing() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let stack = busy_stack(&mut random, 5, 20);
     let complex = stack.complex();
     let field = Cpu::new(&Boundaries::new(&complex, 1e-6, None).unwrap()).unwrap();
@@ -274,7 +275,7 @@ fn reference_above_a_half_plane() {
 
 #[test]
 fn bad_clearances_and_spacings_are_refused() {
-    let complex = busy_stack(&mut Random(12), 2, 6).complex();
+    let complex = busy_stack(&mut Random::new(12), 2, 6).complex();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = Boundaries::new(&complex, bad, None).unwrap_err();
         assert!(error.to_string().contains("clearance"), "{error}");

@@ -1,4 +1,4 @@
-//! Complexes built by hand, and random numbers, for the tests.
+//! Complexes built by hand, and random directions, for the tests.
 
 use std::collections::BTreeSet;
 
@@ -8,26 +8,16 @@ use super::{Queries, Run};
 use crate::complex::{Cell, Complex, Facet, FacetEdge};
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};
-
-/// Splitmix64: the same numbers everywhere.
-pub struct Random(pub u64);
+use crate::random::Random;
 
 impl Random {
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
     /// In [−1, 1) for every component.
     pub fn signed(&mut self) -> DVec3 {
         let mut next = || 2.0 * self.unit() - 1.0;
         DVec3::new(next(), next(), next())
     }
 
+    /// By random directions.
     pub fn rotation(&mut self) -> DMat3 {
         let x = self.signed().normalize();
         let y = x.cross(self.signed()).normalize();

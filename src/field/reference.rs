@@ -226,7 +226,7 @@ fn edge_sum(p: DVec2, q: DVec2, gamma: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::fixture::Random;
+    use crate::random::Random;
 
     /// Nodes and weights of Gauss–Legendre quadrature on [0, 1], by Newton's
     /// method on the Legendre polynomial.
@@ -298,7 +298,7 @@ mod tests {
     #[test]
     fn closed_form_is_the_integral() {
         let rule = gauss(16);
-        let mut random = Random(20);
+        let mut random = Random::new(20);
         for centre in [DVec2::ZERO, DVec2::new(0.7, -0.2), DVec2::new(-3.0, 1.0)] {
             for gamma in [0.2, 0.5, 2.0] {
                 let star = star(centre, &mut random);

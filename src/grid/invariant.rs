@@ -88,7 +88,7 @@ fn check_leaf(samples: &Samples, leaf: &Leaf) -> Result<(), String> {
         let next = neighbor(at, axis, forward);
         let closed = !samples.lattice.has_leaf(next)
             || samples.is_valued(next)
-            || !differs_near_face(&labels, axis, forward, 1, tile(samples, next));
+            || !differs_near_face(&labels, axis, forward, 1, samples.tile(next));
         if !closed {
             return Err(format!("a surface leaves the leaves from {at:?} to {next:?}"));
         }
@@ -115,22 +115,18 @@ fn check_tile(samples: &Samples, at: [i32; 3]) -> Result<(), String> {
     if samples.is_valued(at) {
         return Ok(());
     }
-    let label = tile(samples, at);
+    let label = samples.tile(at);
     for (axis, forward) in faces() {
         let next = neighbor(at, axis, forward);
         if !samples.lattice.has_leaf(next) {
             if label != Label::OUTSIDE {
                 return Err(format!("tile {at:?} is outermost and {label}"));
             }
-        } else if !samples.is_valued(next) && tile(samples, next) != label {
+        } else if !samples.is_valued(next) && samples.tile(next) != label {
             return Err(format!("tiles {at:?} and {next:?} differ"));
         }
     }
     Ok(())
-}
-
-fn tile(samples: &Samples, at: [i32; 3]) -> Label {
-    samples.tiles[samples.lattice.leaf_index(at)]
 }
 
 /// The six faces of a leaf: axis, and whether forward along it.

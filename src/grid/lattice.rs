@@ -1,6 +1,7 @@
 //! Where the grid's nodes are.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
+use crate::label::Label;
 use crate::plane::Bounds;
 
 use super::samples::{LEAF_SIDE, Lattice};
@@ -32,10 +33,11 @@ impl Lattice {
             // The smallest whole number of voxels that leads past the box.
             let last = (size / voxel + OFFSET).floor() + 1.0;
             if last > f64::from(i32::MAX - 2 * LEAF_SIDE as i32) {
-                return Err(Error::Option(format!(
+                let what = format!(
                     "voxels of {voxel} are too small for a box of {size}: the grid would have \
-                     {last:.0} nodes on one side; use a lower --resolution or a larger --voxel-size"
-                )));
+                     {last:.0} nodes on one side"
+                );
+                return Err(Error::Option(what).avoidable(Remedy::CoarserLattice));
             }
             *nodes = last as i32 + 1;
         }
@@ -65,6 +67,11 @@ impl Lattice {
         let [_, y, z] = self.leaf_dims().map(|leaves| leaves as usize);
         [index / (y * z), index / z % y, index % z].map(|at| at as i32)
     }
+
+    /// The label of a leaf, of those of all leaves of the lattice. Beyond it all is outside.
+    pub fn tile(&self, tiles: &[Label], at: [i32; 3]) -> Label {
+        if self.has_leaf(at) { tiles[self.leaf_index(at)] } else { Label::OUTSIDE }
+    }
 }
 
 fn voxel_size(bounds: Bounds, resolution: Resolution) -> Result<f64> {
@@ -74,13 +81,13 @@ fn voxel_size(bounds: Bounds, resolution: Resolution) -> Result<f64> {
     }
     let voxel = match resolution {
         Resolution::Voxels(0) => {
-            return Err(Error::Option("--resolution must be at least 1".to_owned()));
+            return Err(Error::Option("a grid needs a resolution of 1 at least".to_owned()));
         }
         Resolution::Voxels(count) => longest / f64::from(count),
         Resolution::VoxelSize(size) => size,
     };
     if !(voxel.is_finite() && voxel > 0.0) {
-        return Err(Error::Option(format!("--voxel-size must be positive, and is {voxel}")));
+        return Err(Error::Option(format!("the size of a voxel must be positive, and is {voxel}")));
     }
     Ok(voxel)
 }
@@ -132,7 +139,9 @@ mod tests {
             Resolution::VoxelSize(f64::NAN),
             Resolution::VoxelSize(1e-300),
         ] {
-            assert!(matches!(Lattice::new(small, resolution), Err(Error::Option(_))));
+            let error = Lattice::new(small, resolution).unwrap_err();
+            let is_plain = matches!(error, Error::Option(_) | Error::Avoidable { .. });
+            assert!(is_plain, "{error}");
         }
         assert!(Lattice::new(bounds(DVec3::ZERO), Resolution::Voxels(5)).is_err());
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::plane::{Bounds, polygon_area};
 use crate::section::Section;
 
@@ -48,12 +48,8 @@ pub fn require_memory(lattice: &Lattice, sections: &[Section], materials: usize)
         return Ok(());
     }
     let [x, y, z] = lattice.dims;
-    Err(Error::Memory {
-        what: format!("a grid of {x} × {y} × {z} nodes"),
-        needed,
-        available,
-        hint: "use a lower --resolution or a larger --voxel-size".to_owned(),
-    })
+    let what = format!("a grid of {x} × {y} × {z} nodes");
+    Err(Error::Memory { what, needed, available }.avoidable(Remedy::CoarserLattice))
 }
 
 /// The area of all surfaces, from the length of the contours: for planes in
@@ -137,7 +133,10 @@ mod tests {
             let lattice = Lattice::new(UNIT, Resolution::Voxels(voxels)).unwrap();
             let error = require_memory(&lattice, &[], 1).unwrap_err();
             let tiles = f64::from(voxels / 8).powi(3) * BYTES_PER_TILE as f64;
-            let Error::Memory { needed, .. } = error else { panic!("{error}") };
+            let Error::Avoidable { error, remedy: Remedy::CoarserLattice } = error else {
+                panic!("{error}")
+            };
+            let Error::Memory { needed, .. } = *error else { panic!("{error}") };
             assert!(needed as f64 >= tiles);
         }
         let lattice = Lattice { origin: DVec3::ZERO, voxel: 1.0, dims: [i32::MAX - 16; 3] };

@@ -19,6 +19,7 @@ pub mod memory;
 pub(crate) mod runs;
 pub mod samples;
 pub mod sampling;
+pub mod volume;
 mod winding;
 
 pub use locate::Cells;

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::components::components;
+use crate::sets::components;
 
 /// Nodes of one label in a row along z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

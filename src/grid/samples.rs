@@ -174,6 +174,11 @@ impl Samples {
         self.valued.binary_search(&at).is_ok()
     }
 
+    /// The label of a leaf's nodes, where they have no values of their own.
+    pub fn tile(&self, at: [i32; 3]) -> Label {
+        self.lattice.tile(&self.tiles, at)
+    }
+
     /// The leaf at `at`, where it has values of its own.
     pub fn leaf(&self, at: [i32; 3]) -> Option<Leaf<'_>> {
         self.is_valued(at).then(|| self.view(at))

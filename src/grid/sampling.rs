@@ -220,15 +220,11 @@ impl Sampler<'_> {
         let changes = |index: &usize| {
             let at = self.lattice.leaf_at(*index);
             faces().any(|(axis, forward)| {
-                self.tile(tiles, neighbor(at, axis, forward)) != tiles[*index]
+                self.lattice.tile(tiles, neighbor(at, axis, forward)) != tiles[*index]
             })
         };
         let indices: Vec<usize> = (0..tiles.len()).into_par_iter().filter(changes).collect();
         indices.into_iter().map(|index| self.lattice.leaf_at(index)).collect()
-    }
-
-    fn tile(&self, tiles: &[Label], at: [i32; 3]) -> Label {
-        if self.lattice.has_leaf(at) { tiles[self.lattice.leaf_index(at)] } else { Label::OUTSIDE }
     }
 
     /// Evaluates leaves and says which others the surface comes near to.
@@ -283,7 +279,7 @@ impl Sampler<'_> {
         faces()
             .filter_map(|(axis, forward)| {
                 let next = neighbor(leaf.at, axis, forward);
-                let tile = self.tile(tiles, next);
+                let tile = self.lattice.tile(tiles, next);
                 let differs = differs_near_face(&labels, axis, forward, self.margin.0, tile);
                 (self.lattice.has_leaf(next) && differs).then_some(next)
             })

@@ -129,7 +129,7 @@ fn writable(section: &Section) -> Result<Vec<Region>> {
         section: section.name().to_owned(),
         what: format!("{what} cannot be written as .csl: write .json instead"),
     };
-    if section.labels().contains(&Label::UNKNOWN) {
+    if section.is_partial() {
         return Err(error("an unknown region"));
     }
     if section.background() != Label::OUTSIDE {

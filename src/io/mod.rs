@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::plane::Bounds;
 use crate::section::{Findings, Rules, Section, Sections, Warning};
 
@@ -132,26 +132,28 @@ fn check<T: Sync>(
 
 /// An error of a section, with its place in a file.
 fn at<T>(file: &Path, raw: &Raw<T>, error: Error) -> Error {
-    match error {
+    error.map(|error| match error {
         Error::Section { section, what } => {
             Error::input(file, format!("section {section} ({})", raw.place), what)
         }
         Error::Option(what) => Error::file(file, what),
         other => other,
-    }
+    })
 }
 
 /// An error of sections together, with the place of the one that it names.
 fn in_file<T>(file: &Path, raw: &[Raw<T>], error: Error) -> Error {
-    let named = match &error {
-        Error::Section { section, .. } => raw.iter().rev().find(|raw| raw.name == *section),
-        _ => None,
-    };
-    match (named, error) {
-        (Some(raw), error) => at(file, raw, error),
-        (None, Error::Option(what)) => Error::file(file, what),
-        (None, other) => other,
-    }
+    error.map(|error| {
+        let named = match &error {
+            Error::Section { section, .. } => raw.iter().rev().find(|raw| raw.name == *section),
+            _ => None,
+        };
+        match (named, error) {
+            (Some(raw), error) => at(file, raw, error),
+            (None, Error::Option(what)) => Error::file(file, what),
+            (None, other) => other,
+        }
+    })
 }
 
 /// The diagonal of all vertices of a file.
@@ -182,7 +184,7 @@ fn refuse_rest(
         rows.line
     );
     if rules.strict {
-        return Err(Error::input(file, "the end", format!("{what} (an error with --strict)")));
+        return Err(Error::input(file, "the end", what).avoidable(Remedy::NotStrict));
     }
     sections.warnings.push(Warning { section: String::new(), what });
     Ok(())

@@ -3,15 +3,13 @@
 use std::path::Path;
 
 use cxx::UniquePtr;
-use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::ffi::vdb as ffi;
 use crate::grid::distance::{HALF_WIDTH, narrow_band};
-use crate::grid::evidence::Evidence;
 use crate::grid::labels::LabelGrid;
-use crate::grid::leaf::Leaf;
 use crate::grid::samples::{Lattice, Samples};
+use crate::grid::volume::{self, Volume};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::section::Section;
@@ -147,31 +145,17 @@ impl<'a> Builder<'a> {
     }
 
     fn add(&mut self, grid: Grid) -> Result<()> {
-        let name = grid.name();
+        let (name, samples) = (grid.name(), self.contents.samples);
         match grid {
             Grid::Surface => self.add_level_set(&name, Label::is_material),
             Grid::SurfaceOf(label) => self.add_level_set(&name, |within| within == label),
             Grid::Density => self.add_density(&name),
-            Grid::Label => {
-                let grid = LabelGrid::new(self.contents.samples);
-                labels::add_labels(&mut self.volumes, &name, &grid)
-            }
-            Grid::IndicatorOf(label) => {
-                add_indicator(&mut self.volumes, &name, self.contents.samples, label)
-            }
+            Grid::Label => labels::add_labels(&mut self.volumes, &name, &LabelGrid::new(samples)),
+            Grid::IndicatorOf(label) => self.add_volume(&name, &volume::indicator(samples, label)),
             Grid::Evidence => {
-                let evidence = Evidence::new(self.contents.sections);
-                self.add_near_surface(&name, 0.0, |leaf| {
-                    evidence.in_leaf(self.contents.lattice, leaf.at)
-                })
+                self.add_volume(&name, &volume::evidence(samples, self.contents.sections))
             }
-            // Away from the surface one label has everything.
-            Grid::Margin => {
-                let values = self.contents.samples.values;
-                let margin = |margin: f32| 2.0 * values.indicator(margin / 2.0);
-                let margins = |leaf: &Leaf| leaf.margins().into_iter().map(margin).collect();
-                self.add_near_surface(&name, 2.0, margins)
-            }
+            Grid::Margin => self.add_volume(&name, &volume::margin(samples)),
         }?;
         self.describe(grid)
     }
@@ -190,18 +174,8 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Values in the leaves near the surface alone.
-    fn add_near_surface(
-        &mut self,
-        name: &str,
-        background: f32,
-        values: impl Fn(&Leaf) -> Vec<f32> + Sync,
-    ) -> Result<()> {
-        let samples = self.contents.samples;
-        let values = samples.par_leaves().map(|leaf| values(&leaf)).collect::<Vec<_>>().concat();
-        let leaves = samples.valued.as_flattened();
-        ffi::add_values(self.volumes.pin_mut(), name, background, leaves, &values, &[], &[])
-            .map_err(library)
+    fn add_volume(&mut self, name: &str, volume: &Volume<f32>) -> Result<()> {
+        add_volume(&mut self.volumes, name, volume)
     }
 
     fn add_density(&mut self, name: &str) -> Result<()> {
@@ -232,23 +206,13 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// A material's indicator: from −1 far outside to 1 far inside.
-fn add_indicator(
+fn add_volume(
     volumes: &mut UniquePtr<ffi::Volumes>,
     name: &str,
-    samples: &Samples,
-    label: Label,
+    Volume { background, leaves, values, tiles, tile_values }: &Volume<f32>,
 ) -> Result<()> {
-    let own = samples.fields.iter().find(|field| field.label == label);
-    let (leaves, values) =
-        own.map_or_else(Default::default, |own| (own.grid.leaves(), own.grid.values()));
-    let values: Vec<f32> =
-        values.par_iter().map(|&value| samples.values.indicator(value)).collect();
-    let all = (0..samples.tiles.len()).filter(|&tile| samples.tiles[tile] == label);
-    let all = all.map(|tile| samples.lattice.leaf_at(tile));
-    let tiles: Vec<[i32; 3]> = all.filter(|&at| !samples.is_valued(at)).collect();
-    let (leaves, ones) = (leaves.as_flattened(), vec![1.0; tiles.len()]);
-    ffi::add_values(volumes.pin_mut(), name, -1.0, leaves, &values, tiles.as_flattened(), &ones)
+    let (leaves, tiles) = (leaves.as_flattened(), tiles.as_flattened());
+    ffi::add_values(volumes.pin_mut(), name, *background, leaves, values, tiles, tile_values)
         .map_err(library)
 }
 

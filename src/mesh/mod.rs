@@ -8,7 +8,6 @@ pub mod facts;
 pub mod fairing;
 pub mod nearest;
 pub mod patches;
-pub(crate) mod sets;
 #[cfg(test)]
 pub(crate) mod shapes;
 mod sheets;

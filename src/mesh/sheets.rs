@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::Mesh;
-use super::sets::Sets;
+use crate::sets::Sets;
 
 /// An edge of a triangle: its vertices in ascending order, then the triangle
 /// and which of its corners the edge starts at.

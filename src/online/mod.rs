@@ -129,10 +129,11 @@ impl Session {
             Context { stages: std::mem::take(stages), ..Context::new(rules, &Silent) };
         let model = Model::resume(options, steps, &mut context);
         *stages = context.stages;
-        let model = model.map_err(|error| match error {
+        let placed = |error| match error {
             Error::File { .. } => error,
             other => Error::input(path, format!("after {changes} changes"), other),
-        })?;
+        };
+        let model = model.map_err(|error| error.map(placed))?;
         let (mut journal, torn) = records.end()?;
         let mut warnings = Vec::new();
         if let Some(torn) = torn {

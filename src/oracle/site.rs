@@ -50,14 +50,13 @@ impl<'a> Site<'a> {
             }
         }
         let mut labels = section.labels();
-        let is_full = !labels.contains(&Label::UNKNOWN);
         labels.retain(|&label| label != Label::UNKNOWN);
         let off = section.vertices().iter().map(|&kept| lift_error(section, kept));
         Self {
             section,
             plane: FloatPlane::new(section.plane()),
             exact: ExactPlane::new(*section.plane()),
-            is_full,
+            is_full: !section.is_partial(),
             labels,
             edges: BoxTree::new(edges),
             around: around.into_iter().map(|(label, edges)| (label, BoxTree::new(edges))).collect(),

@@ -1,19 +1,18 @@
 //! Where sections say different things along their common lines.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Section, Sections};
+use super::{Here, Section, Sections};
 use crate::label::Label;
 
 /// Shorter than this, relative to the diagonal, is rounding: files give seven
 /// digits after the point, of vertices that lie near their planes.
 const NOISE: f64 = 1e-8;
 
-/// How two sections differ along their common line.
+/// How two sections differ along their common line, as drawn and up to rounding. What of it
+/// the exact reconstruction has to bridge is a [`Contradiction`](crate::skeleton::Contradiction).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Disagreement {
     /// The names of the two sections.
@@ -122,20 +121,15 @@ fn run(section: &Section, other: &Section, origin: DVec3, direction: DVec3) -> R
     follow(section.background, &crossings)
 }
 
-/// The labels after each place. Crossings at one place come in no order, but
-/// every label that is entered and left there cancels.
+/// The labels after each place.
 fn follow(background: Label, crossings: &[(f64, [Label; 2])]) -> Run {
     let mut run = vec![(f64::NEG_INFINITY, background)];
-    let mut balance: BTreeMap<Label, i64> = BTreeMap::from([(background, 1)]);
+    let mut here = Here::new(background);
     for (i, &(place, [before, after])) in crossings.iter().enumerate() {
-        *balance.entry(before).or_default() -= 1;
-        *balance.entry(after).or_default() += 1;
-        if crossings.get(i + 1).is_some_and(|next| next.0 == place) {
-            continue;
+        here.change(before, after);
+        if crossings.get(i + 1).is_none_or(|next| next.0 != place) {
+            run.push((place, here.label()));
         }
-        let (&label, _) =
-            balance.iter().max_by_key(|&(_, &count)| count).unwrap_or((&background, &1));
-        run.push((place, label));
     }
     run
 }

@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3};
 
 use super::{Findings, Rules, Warning};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::plane::Plane;
 
 /// Coordinates beyond this overflow when areas and moments are computed.
@@ -52,7 +52,7 @@ impl<'a> Draft<'a> {
     /// Something doubtful was dealt with: a warning, or an error when strict.
     pub fn warn(&mut self, what: String) -> Result<()> {
         if self.rules.strict {
-            return Err(self.error(format!("{what} (an error because warnings are, --strict)")));
+            return Err(self.error(what).avoidable(Remedy::NotStrict));
         }
         self.findings.warnings.push(Warning { section: self.name.to_owned(), what });
         Ok(())

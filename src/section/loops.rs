@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::draft::{Draft, stretch};
 use super::subdivision::{Curves, Subdivision, Windings, times};
 use super::{Findings, Loop, Overlap, Rules, Section};
-use crate::error::Result;
+use crate::error::{Remedy, Result};
 use crate::label::Label;
 use crate::plane::Plane;
 
@@ -232,9 +232,7 @@ impl Faces<'_> {
             labels[0], labels[1]
         );
         match draft.rules.overlap {
-            None => Err(draft.error(format!(
-                "{what}: correct them, or say who wins with --overlap first|last|smallest"
-            ))),
+            None => Err(draft.error(format!("{what}: correct them")).avoidable(Remedy::Overlap)),
             Some(overlap) => draft.warn(format!("{what}: the {} wins", overlap.word())),
         }
     }

@@ -8,6 +8,7 @@ mod extent;
 mod graph;
 mod loops;
 mod overlay;
+mod ray;
 pub mod reach;
 mod rectangle;
 mod regions;
@@ -31,6 +32,7 @@ pub use agreement::Disagreement;
 pub use builder::SectionBuilder;
 pub use ends::End;
 pub(crate) use extent::COVERED;
+pub(crate) use ray::{Here, Ray, Target};
 pub use rectangle::Rectangle;
 pub use regions::Region;
 pub use stack::Stack;
@@ -125,6 +127,12 @@ impl Section {
         labels.sort();
         labels.dedup();
         labels
+    }
+
+    /// Whether a part of the plane is unknown, or all of it.
+    pub fn is_partial(&self) -> bool {
+        let unknown = |edge: &Edge| edge.left == Label::UNKNOWN || edge.right == Label::UNKNOWN;
+        self.background == Label::UNKNOWN || self.edges.iter().any(unknown)
     }
 }
 

@@ -4,7 +4,7 @@ use super::draft::Draft;
 use super::overlay::Overlay;
 use super::{Findings, Rules, Section, Sections, Warning, reach};
 use crate::direction;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::label::{Label, Material};
 use crate::plane::{Bounds, Plane};
 
@@ -189,8 +189,8 @@ impl Sections {
 
 fn warn(sections: &mut Sections, section: &str, what: String, rules: &Rules) -> Result<()> {
     if rules.strict {
-        let what = format!("{what} (an error because warnings are, --strict)");
-        return Err(Error::Section { section: section.to_owned(), what });
+        let error = Error::Section { section: section.to_owned(), what };
+        return Err(error.avoidable(Remedy::NotStrict));
     }
     sections.warnings.push(Warning { section: section.to_owned(), what });
     Ok(())

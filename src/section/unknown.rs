@@ -2,7 +2,7 @@
 
 use super::subdivision::keep_used;
 use super::{Edge, Rules, Section, Sections, Warning};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::label::Label;
 
 impl Section {
@@ -29,11 +29,11 @@ impl Sections {
         if self.sections.iter().any(|section| section.labels() != [Label::UNKNOWN]) {
             return Ok(());
         }
-        Err(Error::Option(format!(
-            "{}everything is unknown: no section says of any place what is there; add what is \
-             known, or give another --unknown-label",
+        let what = format!(
+            "{}everything is unknown: no section says of any place what is there: add what is known",
             self.called()
-        )))
+        );
+        Err(Error::Option(what).avoidable(Remedy::UnknownLabel))
     }
 
     /// Tells of a label that should mean *unknown* but does not occur.
@@ -41,11 +41,8 @@ impl Sections {
         let Some(label) = rules.unknown.filter(|_| !self.unknown_occurs) else { return Ok(()) };
         let what = format!("label {} is given as unknown but does not occur", label.0);
         if rules.strict {
-            return Err(Error::Option(format!(
-                "{}{what}: correct or leave out --unknown-label (an error because warnings are, \
-                 --strict)",
-                self.called()
-            )));
+            let error = Error::Option(format!("{}{what}", self.called()));
+            return Err(error.avoidable(Remedy::UnknownLabel).avoidable(Remedy::NotStrict));
         }
         self.warnings.push(Warning { section: String::new(), what });
         Ok(())

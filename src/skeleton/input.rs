@@ -1,7 +1,6 @@
 //! Sections as flat slices.
 
 use crate::ffi::skeleton::Input;
-use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::Section;
 
@@ -30,10 +29,5 @@ fn add(input: &mut Input, section: &Section) {
     }
     input.edge_starts.push(input.edges.len() as u32 / 4);
     input.backgrounds.push(section.background().0);
-    input.partial.push(u8::from(is_partial(section)));
-}
-
-/// Whether a part of the plane is unknown.
-fn is_partial(section: &Section) -> bool {
-    section.labels().contains(&Label::UNKNOWN)
+    input.partial.push(u8::from(section.is_partial()));
 }

@@ -10,7 +10,7 @@ use glam::{DVec3, I64Vec3};
 
 use crate::label::Label;
 use crate::mesh::back_and_front;
-use crate::mesh::sets::Sets;
+use crate::sets::Sets;
 
 use super::{Origin, Skeleton};
 
@@ -49,7 +49,7 @@ fn groups(points: &[DVec3], distance: f64) -> Vec<u32> {
             }
         }
     }
-    (0..points.len() as u32).map(|index| sets.root(index)).collect()
+    sets.roots()
 }
 
 fn around(place: I64Vec3) -> impl Iterator<Item = I64Vec3> {

@@ -87,7 +87,8 @@ pub struct Origin {
 }
 
 /// A stretch of the common line of two sections on which both know and never
-/// say the same.
+/// say the same: what is left, exactly, after places of both were made one. What was drawn
+/// is measured by [`Disagreement`](crate::section::Disagreement).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contradiction {
     /// The sections' names.

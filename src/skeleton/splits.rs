@@ -4,8 +4,8 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::{Skeleton, merge};
-use crate::components::components;
 use crate::mesh::Mesh;
+use crate::sets::components;
 
 /// A point between the ends of a contour's piece: `[from, to, point]`.
 pub(super) type Split = [u32; 3];

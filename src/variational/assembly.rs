@@ -82,8 +82,7 @@ impl Assembly<'_> {
     }
 
     fn tile(&self, at: [i32; 3]) -> Label {
-        let has = self.lattice.has_leaf(at);
-        if has { self.tiles[self.lattice.leaf_index(at)] } else { Label::OUTSIDE }
+        self.lattice.tile(&self.tiles, at)
     }
 
     /// Leaves whose tile is not that of all neighbours.

@@ -10,7 +10,6 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use crate::components::components;
 use crate::grid::labels::{LabelGrid, node_in_leaf};
 use crate::grid::leaf::LeafOf;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
@@ -19,6 +18,7 @@ use crate::grid::samples::{LEAF_SIDE, Samples};
 use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::Section;
+use crate::sets::components;
 
 use super::plane_samples::{Region, plane_samples};
 

@@ -2,26 +2,18 @@
 
 use std::ops::Range;
 
-/// SplitMix64.
-pub struct Random(u64);
+/// The library's generator, and what tests draw with it.
+pub struct Random(transect::random::Random);
 
 impl Random {
     /// The numbers of a seed.
     pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
+        Self(transect::random::Random::new(seed))
     }
 
     /// From 0 to 1.
     pub fn unit(&mut self) -> f64 {
-        self.next() as f64 / 2f64.powi(64)
+        self.0.bits() as f64 / 2f64.powi(64)
     }
 
     /// Between two numbers.
@@ -31,7 +23,7 @@ impl Random {
 
     /// Below a number.
     pub fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
+        (self.0.bits() % count as u64) as usize
     }
 
     /// In so many of a hundred cases.

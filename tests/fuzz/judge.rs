@@ -177,7 +177,7 @@ fn exact(made: &Made, seed: u64) -> Result<(), String> {
         return Err(format!("cells {:?} are left out", details.left_out));
     }
     // Where parts are unknown distances are those of a gauge, up to a sixth off.
-    if sections.sections.iter().any(is_partial) {
+    if sections.sections.iter().any(Section::is_partial) {
         return Ok(());
     }
     let Some(bounds) = sections.space() else { return Err("there is no box".to_owned()) };
@@ -266,10 +266,6 @@ fn distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     [[a, b], [b, c], [c, a]].map(to_segment).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-fn is_partial(section: &Section) -> bool {
-    section.labels().contains(&Label::UNKNOWN)
-}
-
 /// Whether the vertices of a section are on another's plane but for rounding.
 fn is_nearly(section: &Section, other: &Section) -> bool {
     let far = |at: DVec3| other.plane().distance(at).abs() > NEAR * (1.0 + at.length());
@@ -295,7 +291,7 @@ fn fair(made: &Made, before: &Made) -> Result<(), String> {
     for ((own, old), section) in pairs.zip(sections) {
         // What lies between planes that rounding can hardly tell apart is cut by both; and
         // a surface that passes a plane where it is unknown may move along it.
-        if is_partial(section) || sections.iter().any(|other| is_nearly(section, other)) {
+        if section.is_partial() || sections.iter().any(|other| is_nearly(section, other)) {
             continue;
         }
         if let (Some(dice), Some(was)) = (own.dice, old.dice)

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 
-use super::{MethodArguments, PictureArguments, ReadingArguments, positive};
+use super::{MethodArguments, PictureArguments, ReadingArguments, ThreadsArgument, positive};
 use crate::plane::Bounds;
 
 #[derive(Debug, Args)]
@@ -43,9 +43,8 @@ pub struct OnlineArguments {
     pub bounds: Option<Bounds>,
     #[command(flatten)]
     pub method: MethodArguments,
-    /// Threads [default: as many as there are processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub threads: Option<u32>,
+    #[command(flatten)]
+    pub threads: ThreadsArgument,
     /// Grids of .vdb files, separated by commas: surface, density, label, surface_<label>, indicator_<label>, evidence, margin; * for every label
     #[arg(
         long,

@@ -82,14 +82,14 @@ fn sections_come_in_any_order_and_go_without_a_trace() {
         kept.reverse();
         assert_eq!(described(editor.complex()), described(built(&kept).0.complex()));
         while kept.len() > 1 {
-            let gone = kept.remove(random.next() as usize % kept.len());
+            let gone = kept.remove(random.bits() as usize % kept.len());
             editor.remove(planes[&gone.name]).unwrap();
             editor.commit().unwrap();
             editor.assert_sane();
             let expected = described(built(&kept).0.complex());
             assert_eq!(described(editor.complex()), expected, "round {round}");
             // And back, every other time.
-            if random.next().is_multiple_of(2) {
+            if random.bits().is_multiple_of(2) {
                 planes.insert(gone.name.clone(), editor.add(gone).unwrap());
                 editor.commit().unwrap();
                 editor.assert_sane();

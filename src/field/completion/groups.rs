@@ -1,8 +1,8 @@
 //! Cell groups: cells joined through facets that hold unknown regions.
 
 use crate::complex::{Complex, Facet};
-use crate::components::components;
 use crate::label::Label;
+use crate::sets::components;
 
 /// Whether there is an unknown region on a facet.
 pub(super) fn has_unknown(facet: &Facet) -> bool {

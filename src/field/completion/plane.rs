@@ -5,11 +5,11 @@ use glam::{DVec2, DVec3};
 
 use super::outline::{Outlines, step};
 use crate::complex::{Complex, FacetEdge};
-use crate::components::components;
 use crate::error::{Error, Result};
 use crate::ffi::triangulation::{self as ffi, Triangulation};
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};
+use crate::sets::components;
 
 /// How far the middle of a piece may lie off the line that it is a piece of,
 /// relative to the size of the box: rounding only.

@@ -5,9 +5,10 @@ use glam::{DVec2, DVec3};
 use super::Completion;
 use super::groups::groups;
 use crate::complex::{Complex, FacetEdge};
-use crate::field::fixture::{Patch, Pattern, Random, Stack};
+use crate::field::fixture::{Patch, Pattern, Stack};
 use crate::field::{Boundaries, Field, Queries, Reference, Run};
 use crate::label::Label;
+use crate::random::Random;
 
 const UNKNOWN: u32 = u32::MAX;
 
@@ -76,14 +77,14 @@ fn a_group_with_one_label_is_that_label() {
     let mut stack =
         Stack::new(vec![Pattern::plain(1), unknown_disc(0.7, 1), Pattern::plain(1), busy]);
     stack.walls = Label(1);
-    stack.rotation = Random(3).rotation();
+    stack.rotation = Random::new(3).rotation();
     let complex = stack.complex();
     assert_eq!(groups(&complex), [0, 0, 1]);
     let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let field = Reference::new(&boundaries).unwrap();
     let labels: Vec<&[Label]> = (0..3).map(|cell| field.labels(cell)).collect();
     assert_eq!(labels, [&[Label(1)][..], &[Label(1)], &[Label(1), Label(5)]]);
-    let values = field.evaluate(&stack.queries(&mut Random(4), 50)).unwrap();
+    let values = field.evaluate(&stack.queries(&mut Random::new(4), 50)).unwrap();
     assert!(values[..100].iter().all(|&f| f == 1.0));
 }
 
@@ -140,7 +141,7 @@ fn triangles_cover_the_region() {
     let mut stack = Stack::new(vec![Pattern::plain(0), unknown_disc(0.5, 1), Pattern::plain(0)]);
     // A known hole in it.
     stack.patterns[1].patches.push(Patch::disc(DVec2::new(0.1, 0.0), 0.2, 64, 3, UNKNOWN));
-    stack.rotation = Random(8).rotation();
+    stack.rotation = Random::new(8).rotation();
     stack.offset = DVec3::new(1e4, -3e4, 7.0);
     let complex = stack.complex();
     let completion = complete(&complex, 0.1);

@@ -151,8 +151,9 @@ mod tests {
     use super::{Adapter, Boundaries, Cpu, Gpu, normalise};
     use crate::error::Error;
     use crate::field::Field;
-    use crate::field::fixture::{Random, Stack, busy_stack};
+    use crate::field::fixture::{Stack, busy_stack};
     use crate::field::{Queries, Run};
+    use crate::random::Random;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     /// Needs no GPU.
@@ -188,7 +189,7 @@ mod tests {
     }
 
     fn stack_batches(limits: Limits) -> (Queries, Vec<Batch>) {
-        let mut random = Random(30);
+        let mut random = Random::new(30);
         let stack: Stack = busy_stack(&mut random, 3, 10);
         let mut queries = stack.queries(&mut random, 1000);
         queries.runs.push(Run { cell: 0, points: 2000..2000 });
@@ -246,7 +247,7 @@ mod tests {
     /// Plausible numbers that are not the field's are noticed too.
     #[test]
     fn stale_results_are_noticed() {
-        let mut random = Random(31);
+        let mut random = Random::new(31);
         let stack = busy_stack(&mut random, 3, 10);
         let complex = stack.complex();
         let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
@@ -261,7 +262,7 @@ mod tests {
         for batch in batches(gpu.cpu.cells(), &queries, gpu.limits) {
             gpu.spot_check(&queries, &batch, &right).unwrap();
             let error = gpu.spot_check(&queries, &batch, &stale).unwrap_err();
-            assert!(error.to_string().contains("use --device cpu"), "{error}");
+            assert!(error.to_string().contains("use the CPU"), "{error}");
         }
     }
 }

@@ -1,41 +1,17 @@
 use glam::DVec2;
 
 use super::*;
-use crate::check::shapes::disc;
+use crate::check::shapes::{disc, partition, rectangle};
 use crate::label::Label;
-use crate::section::Edge;
 
 const FLOOR: Plane = Plane { normal: DVec3::new(0.0, 0.0, 2.0), offset: 0.0 };
-
-/// A plane with polygons on it, counter-clockwise, and the labels left and
-/// right of their edges.
-fn section(plane: Plane, polygons: &[(Vec<DVec2>, [Label; 2])], background: Label) -> Section {
-    let mut section =
-        Section { name: "test".into(), plane, vertices: vec![], edges: vec![], background };
-    for (corners, [left, right]) in polygons {
-        let (first, count) = (section.vertices.len() as u32, corners.len() as u32);
-        let edge = |at| Edge {
-            start: first + at,
-            end: first + (at + 1) % count,
-            left: *left,
-            right: *right,
-        };
-        section.edges.extend((0..count).map(edge));
-        section.vertices.extend(corners);
-    }
-    section
-}
-
-fn rectangle(min: [f64; 2], max: [f64; 2]) -> Vec<DVec2> {
-    [min, [max[0], min[1]], max, [min[0], max[1]]].map(DVec2::from).to_vec()
-}
 
 /// The frame [0, 4] × [0, 2] on the floor, with an unknown spot
 /// [1, 3] × [½, 1½] in it.
 fn frame() -> Section {
     let frame = (rectangle([0.0, 0.0], [4.0, 2.0]), [Label::OUTSIDE, Label::UNKNOWN]);
     let spot = (rectangle([1.0, 0.5], [3.0, 1.5]), [Label::UNKNOWN, Label::OUTSIDE]);
-    section(FLOOR, &[frame, spot], Label::UNKNOWN)
+    partition(FLOOR, &[frame, spot], Label::UNKNOWN)
 }
 
 fn distance(evidence: &Evidence, point: [f64; 3]) -> f64 {
@@ -45,7 +21,7 @@ fn distance(evidence: &Evidence, point: [f64; 3]) -> f64 {
 #[test]
 fn from_planes_known_all_over_it_is_the_height() {
     let top = Plane { normal: -DVec3::Z, offset: -3.0 };
-    let sections = [disc(FLOOR, 1.0, 12, Label(1)), section(top, &[], Label::OUTSIDE)];
+    let sections = [disc(FLOOR, 1.0, 12, Label(1)), partition(top, &[], Label::OUTSIDE)];
     let evidence = Evidence::new(&sections);
     for (z, expected) in [(-2.0, 2.0), (0.0, 0.0), (0.25, 0.25), (1.5, 1.5), (2.0, 1.0), (7.0, 4.0)]
     {
@@ -71,7 +47,7 @@ fn from_a_frame_it_is_the_distance_to_its_known_part() {
 
 #[test]
 fn a_section_that_knows_nothing_does_not_count() {
-    let unknown = section(Plane { offset: 1.0, ..FLOOR }, &[], Label::UNKNOWN);
+    let unknown = partition(Plane { offset: 1.0, ..FLOOR }, &[], Label::UNKNOWN);
     let evidence = Evidence::new(&[unknown.clone(), frame()]);
     assert_eq!(distance(&evidence, [0.5, 1.0, 0.5]), 0.5);
     assert!(Evidence::new(&[unknown]).near(DVec3::ZERO, 1.0).distance(DVec3::ZERO).is_none());
@@ -86,7 +62,7 @@ fn in_a_leaf_all_is_as_for_each_point_alone() {
     };
     let stars = |plane| {
         let corners = (0..60).map(star).collect();
-        section(plane, &[(corners, [Label(1), Label::UNKNOWN])], Label::UNKNOWN)
+        partition(plane, &[(corners, [Label(1), Label::UNKNOWN])], Label::UNKNOWN)
     };
     let mut sections = vec![frame()];
     for (normal, offset) in [
@@ -120,7 +96,7 @@ fn many_borders_are_searched_as_if_one_by_one() {
         .map(f64::from)
         .map(|x| (rectangle([x, 0.0], [x + 0.5, 0.5]), [Label(1), Label::UNKNOWN]))
         .collect();
-    let evidence = Evidence::new(&[section(FLOOR, &squares, Label::UNKNOWN)]);
+    let evidence = Evidence::new(&[partition(FLOOR, &squares, Label::UNKNOWN)]);
     for step in 0..400 {
         let x = 0.1 * f64::from(step) + 0.013;
         let aside = if x.fract() < 0.5 || x > 39.5 {

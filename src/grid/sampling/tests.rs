@@ -2,6 +2,7 @@ use glam::{DVec2, DVec3};
 
 use super::*;
 use crate::field::Queries;
+use crate::grid::labels::LabelGrid;
 use crate::grid::lattice::Resolution;
 use crate::plane::{Bounds, Plane};
 use crate::progress::Silent;
@@ -92,15 +93,6 @@ fn run(balls: &Balls, cells: &Halves, lattice: Lattice, margin: usize) -> Sampli
     sampler.run(Vec::new()).unwrap()
 }
 
-fn node_label(samples: &Samples, node: [i32; 3]) -> Label {
-    let at = node.map(|index| index / SIDE);
-    let offset = node.map(|index| (index % SIDE) as usize);
-    match samples.leaf(at) {
-        Some(leaf) => leaf.labels()[crate::grid::invariant::node_index(offset)],
-        None => samples.tiles[samples.lattice.leaf_index(at)],
-    }
-}
-
 #[test]
 fn every_node_of_two_balls_has_the_right_label() {
     let balls = Balls::new(&[(DVec3::splat(-0.3), 0.45), (DVec3::new(0.5, 0.4, 0.45), 0.4)]);
@@ -109,12 +101,13 @@ fn every_node_of_two_balls_has_the_right_label() {
     let Sampling { kept: Kept { samples, .. }, points } = run(&balls, &cells, lattice, 1);
     samples.sanity_check().unwrap();
     assert_eq!(samples.materials(), [Label(1), Label(2)]);
+    let labels = LabelGrid::new(&samples);
     let mut inside = 0;
     for x in 0..lattice.dims[0] {
         for y in 0..lattice.dims[1] {
             for z in 0..lattice.dims[2] {
                 let expected = balls.label(lattice.position([x, y, z]));
-                assert_eq!(node_label(&samples, [x, y, z]), expected, "{x} {y} {z}");
+                assert_eq!(labels.at([x, y, z]), expected, "{x} {y} {z}");
                 inside += u64::from(expected.is_material());
             }
         }
@@ -133,8 +126,8 @@ fn a_surface_on_the_box_is_closed_outside_of_it() {
         let samples = run(&balls, &cells, lattice, 1).kept.samples;
         samples.sanity_check().unwrap();
         let nodes = lattice.dims.map(|nodes| nodes - 2);
-        assert_eq!(node_label(&samples, nodes), Label(1));
-        assert_eq!(node_label(&samples, [1, 1, 1]), Label(1));
+        let labels = LabelGrid::new(&samples);
+        assert_eq!([nodes, [1; 3]].map(|node| labels.at(node)), [Label(1); 2]);
     }
 }
 
@@ -152,8 +145,7 @@ fn a_wider_margin_keeps_the_surface_from_tiles() {
         for (axis, forward) in faces() {
             let next = neighbor(leaf.at, axis, forward);
             if lattice.has_leaf(next) && !wide.is_valued(next) {
-                let tile = wide.tiles[lattice.leaf_index(next)];
-                assert!(!differs_near_face(&labels, axis, forward, 4, tile));
+                assert!(!differs_near_face(&labels, axis, forward, 4, wide.tile(next)));
             }
         }
     }

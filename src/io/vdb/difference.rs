@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::{describe, finish, labels::add_labels, library};
+use super::{add_volume, describe, finish, labels::add_labels, library};
 use crate::error::Result;
 use crate::ffi::vdb as ffi;
-use crate::grid::labels::{LabelGrid, node_in_leaf};
-use crate::grid::samples::LEAF_NODES;
+use crate::grid::labels::LabelGrid;
+use crate::grid::volume;
 use crate::io::mesh::About;
 
 /// What is written.
@@ -33,31 +33,12 @@ pub fn write_difference(path: &Path, contents: &DifferenceContents) -> Result<()
     let lattice = &contents.field.lattice;
     let mut volumes =
         ffi::new_volumes(lattice.voxel, lattice.origin.to_array()).map_err(library)?;
-    let (leaves, values) = depths(contents);
-    ffi::add_values(volumes.pin_mut(), "disagreement", 0.0, &leaves, &values, &[], &[])
-        .map_err(library)?;
+    let depths = volume::at_nodes(contents.differing, contents.depths);
+    add_volume(&mut volumes, "disagreement", &depths)?;
     add_labels(&mut volumes, "label_field", contents.field)?;
     add_labels(&mut volumes, "label_skeleton", contents.skeleton)?;
     for name in ["disagreement", "label_field", "label_skeleton", ""] {
         describe(&mut volumes, name, contents.about.units, contents.about.frame)?;
     }
     finish(&mut volumes, contents.about.materials, path)
-}
-
-/// The leaves in which nodes differ, and 512 depths each.
-fn depths(contents: &DifferenceContents) -> (Vec<i32>, Vec<f32>) {
-    let (mut leaves, mut values) = (Vec::new(), Vec::new());
-    let nodes = contents.differing.iter().zip(contents.depths);
-    let mut last = None;
-    for (&node, &depth) in nodes {
-        let (at, index) = node_in_leaf(node);
-        if last != Some(at) {
-            last = Some(at);
-            leaves.extend(at);
-            values.resize(values.len() + LEAF_NODES, 0.0);
-        }
-        let first = values.len() - LEAF_NODES;
-        values[first + index] = depth;
-    }
-    (leaves, values)
 }

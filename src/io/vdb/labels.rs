@@ -3,9 +3,10 @@
 use cxx::UniquePtr;
 
 use super::library;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::ffi::vdb as ffi;
-use crate::grid::labels::{LabelGrid, leaf_nodes};
+use crate::grid::labels::LabelGrid;
+use crate::grid::volume::{self, Volume};
 use crate::label::Label;
 
 /// Adds the number of the material at every node.
@@ -14,35 +15,22 @@ pub fn add_labels(
     name: &str,
     grid: &LabelGrid,
 ) -> Result<()> {
-    let number = |label: Label| {
-        i32::try_from(label.0).map_err(|_| {
-            Error::Option(format!(
-                "the grid {name} cannot hold the label {label}, which is over {}: leave it out of \
-                 --grids, or number the labels anew",
-                i32::MAX
-            ))
-        })
+    let numbers = |labels: &[Label]| -> Result<Vec<i32>> {
+        labels.iter().map(|&label| number(label, name)).collect()
     };
-    let (mut leaves, mut values) = (Vec::new(), Vec::new());
-    let (mut tiles, mut tile_values) = (Vec::new(), Vec::new());
-    for leaf in 0..grid.lattice.leaf_count() as usize {
-        let at = grid.lattice.leaf_at(leaf);
-        match grid.tile(leaf) {
-            Some(label) if label.is_material() => {
-                tiles.extend(at);
-                tile_values.push(number(label)?);
-            }
-            Some(_) => {}
-            None => {
-                leaves.extend(at);
-                for (node, label) in leaf_nodes(at).zip(grid.leaf(leaf)) {
-                    // Beyond an open box nothing is, though values lead there.
-                    let beyond = grid.is_open && !grid.lattice.is_inner(node);
-                    values.push(if beyond { 0 } else { number(label)? });
-                }
-            }
-        }
-    }
-    ffi::add_numbers(volumes.pin_mut(), name, &leaves, &values, &tiles, &tile_values)
-        .map_err(library)
+    let Volume { leaves, values, tiles, tile_values, .. } = volume::labels(grid);
+    let (leaves, tiles) = (leaves.as_flattened(), tiles.as_flattened());
+    let (values, tile_values) = (numbers(&values)?, numbers(&tile_values)?);
+    ffi::add_numbers(volumes.pin_mut(), name, leaves, &values, tiles, &tile_values).map_err(library)
+}
+
+fn number(label: Label, name: &str) -> Result<i32> {
+    i32::try_from(label.0).map_err(|_| {
+        let what = format!(
+            "the grid {name} cannot hold the label {label}, which is over {}: number the labels \
+             anew",
+            i32::MAX
+        );
+        Error::Option(what).avoidable(Remedy::OtherGrids)
+    })
 }

@@ -47,7 +47,7 @@ use rayon::prelude::*;
 use super::caps::CAP_TOLERANCE;
 use super::nearest::{Nearest, flat};
 use super::{Mesh, back_and_front};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::ffi::delaunay::{self as ffi, Criteria, Curves, Facets, Refinement};
 use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
@@ -208,11 +208,12 @@ fn criteria(dual: &Mesh, options: &Options) -> Result<Criteria> {
     let spacing = options.size.min(2.0 * options.distance.sqrt()).min(1.0);
     let most = PATIENCE * (1000.0 + area / (spacing * spacing));
     if most > f64::from(u32::MAX) {
-        return Err(Error::Option(format!(
+        let what = format!(
             "triangles of {} voxels that are nowhere further than {} from the surface would be \
-             too many: use a larger --facet-size or --facet-distance",
+             too many",
             options.size, options.distance
-        )));
+        );
+        return Err(Error::Option(what).avoidable(Remedy::LargerTriangles));
     }
     Ok(Criteria {
         angle: options.angle,

@@ -10,6 +10,7 @@ use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::dual::cell::EDGE_CORNERS;
 use crate::plane::Bounds;
+use crate::sets::Sets;
 
 /// Pieces up to this size, in voxels, have points on all lattice edges that
 /// they cross.
@@ -132,30 +133,18 @@ fn around(bin: IVec3) -> impl Iterator<Item = IVec3> {
 
 /// For every vertex the number of its piece and the piece's longest side.
 fn pieces(mesh: &Mesh) -> Vec<(u32, f64)> {
-    let vertices = 0..mesh.vertices.len() as u32;
-    let mut parent: Vec<u32> = vertices.clone().collect();
+    let mut sets = Sets::new(mesh.vertices.len());
     for &[a, b, c] in &mesh.triangles {
-        for other in [b, c] {
-            let (one, other) = (root(&mut parent, a), root(&mut parent, other));
-            parent[one.max(other) as usize] = one.min(other);
-        }
+        sets.join(a, b);
+        sets.join(a, c);
     }
-    let roots: Vec<u32> = vertices.map(|vertex| root(&mut parent, vertex)).collect();
+    let roots = sets.roots();
     let mut boxes: HashMap<u32, Bounds> = HashMap::new();
     for (&root, &point) in roots.iter().zip(&mesh.vertices) {
         let whole = boxes.entry(root).or_insert(Bounds { min: point, max: point });
         *whole = Bounds { min: whole.min.min(point), max: whole.max.max(point) };
     }
     roots.iter().map(|&root| (root, boxes[&root].size().max_element())).collect()
-}
-
-fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
-    while parent[vertex as usize] != vertex {
-        let above = parent[vertex as usize];
-        parent[vertex as usize] = parent[above as usize];
-        vertex = above;
-    }
-    vertex
 }
 
 /// For every vertex the labels of its triangles, where all have the same.

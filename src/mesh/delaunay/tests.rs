@@ -157,7 +157,8 @@ fn nothing_gives_nothing() {
 fn absurd_options_are_an_error() {
     let samples = sampled(|point| vec![share(0.7 - point.length())]);
     let options = Options { size: 1e-9, ..Options::default() };
-    assert!(matches!(delaunay(&samples, &options, &Silent), Err(Error::Option(_))));
+    let error = delaunay(&samples, &options, &Silent).unwrap_err();
+    assert!(matches!(error, Error::Avoidable { remedy: Remedy::LargerTriangles, .. }), "{error}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use crate::grid::invariant::node_index;
 use crate::grid::leaf::Leaf;
 use crate::grid::samples::{LEAF_SIDE, Lattice, Samples, Values};
 use crate::label::Label;
@@ -17,7 +18,6 @@ pub struct Leaves<'a> {
     labels: Vec<Vec<Label>>,
     /// For each leaf of the lattice its index in `leaves`.
     index: Vec<u32>,
-    dims: [i32; 3],
 }
 
 /// The index of a leaf without values.
@@ -28,9 +28,8 @@ impl<'a> Leaves<'a> {
     pub fn new(samples: &'a Samples) -> Self {
         let own: Vec<Leaf> = samples.par_leaves().collect();
         let labels = own.par_iter().map(Leaf::labels).collect();
-        let dims = samples.lattice.leaf_dims();
-        let count = dims.iter().map(|&side| side.max(0) as usize).product();
-        let mut leaves = Self { samples, leaves: own, labels, index: vec![TILE; count], dims };
+        let count = samples.lattice.leaf_count() as usize;
+        let mut leaves = Self { samples, leaves: own, labels, index: vec![TILE; count] };
         for (number, &at) in samples.valued.iter().enumerate() {
             if let Some(place) = leaves.place(at) {
                 leaves.index[place] = number as u32;
@@ -41,16 +40,13 @@ impl<'a> Leaves<'a> {
 
     /// The number of a leaf in `index` and `tiles`; `None` off the lattice.
     pub fn place(&self, at: [i32; 3]) -> Option<usize> {
-        let inside = at.iter().zip(self.dims).all(|(&at, side)| (0..side).contains(&at));
-        inside.then(|| {
-            ((at[0] * self.dims[1] + at[1]) as usize) * self.dims[2] as usize + at[2] as usize
-        })
+        let lattice = &self.samples.lattice;
+        lattice.has_leaf(at).then(|| lattice.leaf_index(at))
     }
 
     /// The leaf's coordinates, from its number.
     pub fn at(&self, place: usize) -> [i32; 3] {
-        let [_, y, z] = self.dims.map(|side| side as usize);
-        [place / (y * z), place / z % y, place % z].map(|at| at as i32)
+        self.samples.lattice.leaf_at(place)
     }
 
     /// How many leaves the lattice has.
@@ -60,7 +56,7 @@ impl<'a> Leaves<'a> {
 
     /// Leaves along each axis.
     pub fn dims(&self) -> [i32; 3] {
-        self.dims
+        self.samples.lattice.leaf_dims()
     }
 
     /// The label of a node, by what the samples say.
@@ -68,20 +64,16 @@ impl<'a> Leaves<'a> {
         match self.source(node.map(|along| along.div_euclid(LEAF_SIDE as i32))) {
             Source::Tile(label) => label,
             Source::Leaf(_, labels) => {
-                let [x, y, z] = node.map(|along| along.rem_euclid(LEAF_SIDE as i32) as usize);
-                labels[(x * LEAF_SIDE + y) * LEAF_SIDE + z]
+                labels[node_index(node.map(|along| along.rem_euclid(LEAF_SIDE as i32) as usize))]
             }
         }
     }
 
     fn source(&self, at: [i32; 3]) -> Source<'_> {
-        match self.place(at) {
-            None => Source::Tile(Label::OUTSIDE),
-            Some(place) if self.index[place] == TILE => {
-                Source::Tile(self.samples.tiles.get(place).copied().unwrap_or(Label::OUTSIDE))
-            }
-            Some(place) => {
-                let number = self.index[place] as usize;
+        match self.place(at).map(|place| self.index[place]) {
+            None | Some(TILE) => Source::Tile(self.samples.tile(at)),
+            Some(number) => {
+                let number = number as usize;
                 Source::Leaf(&self.leaves[number], &self.labels[number])
             }
         }
@@ -199,9 +191,7 @@ impl<'a> Patch<'a> {
     /// The leaf that a node is in, and its index there.
     fn locate(&self, node: [usize; 3]) -> (Source<'a>, usize) {
         let [x, y, z] = node.map(|at| at / LEAF_SIDE);
-        let inner = node.map(|at| at % LEAF_SIDE);
-        let index = (inner[0] * LEAF_SIDE + inner[1]) * LEAF_SIDE + inner[2];
-        (self.sources[4 * x + 2 * y + z], index)
+        (self.sources[4 * x + 2 * y + z], node_index(node.map(|at| at % LEAF_SIDE)))
     }
 }
 

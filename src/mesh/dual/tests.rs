@@ -6,21 +6,11 @@ use crate::label::Label;
 use crate::mesh::shapes::{assert_edge_manifold, cylinder, open_samples, samples, solid};
 use crate::plane::Bounds;
 use crate::progress::Silent;
+use crate::random::Random;
 
-/// A reproducible sequence (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1 << 24) as f32
-    }
+/// In [0, 1).
+fn unit(random: &mut Random) -> f32 {
+    (random.bits() >> 40) as f32 / (1 << 24) as f32
 }
 
 fn unit_lattice(dims: [i32; 3]) -> Lattice {
@@ -46,8 +36,8 @@ fn mesh_of_labels(inner: [i32; 3], count: u32, random: &mut Random) -> Mesh {
     let nodes = dims.iter().product::<i32>();
     let values: Vec<Vec<f32>> = (0..nodes)
         .map(|_| {
-            let label = random.next() % u64::from(count + 1);
-            let certainty = 0.05 + 0.95 * random.unit();
+            let label = random.bits() % u64::from(count + 1);
+            let certainty = 0.05 + 0.95 * unit(random);
             (1..=u64::from(count)).map(|of| if of == label { certainty } else { -1.0 }).collect()
         })
         .collect();
@@ -65,9 +55,9 @@ fn mesh_of_labels(inner: [i32; 3], count: u32, random: &mut Random) -> Mesh {
 fn all_patterns_of_two_cells_are_edge_manifold() {
     // 2 × 2 × 3 nodes, each inside or outside, on a padded lattice; the values
     // vary so that checkerboards are resolved either way.
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for pattern in 0u32..1 << 12 {
-        let certainty: Vec<f32> = (0..12).map(|_| 0.05 + 0.9 * random.unit()).collect();
+        let certainty: Vec<f32> = (0..12).map(|_| 0.05 + 0.9 * unit(&mut random)).collect();
         let samples = samples(unit_lattice([4, 4, 5]), |[x, y, z]| {
             let inner = (1..3).contains(&x) && (1..3).contains(&y) && (1..4).contains(&z);
             let bit = (((x - 1) * 2 + y - 1) * 3 + z - 1).clamp(0, 11) as usize;
@@ -83,7 +73,7 @@ fn all_patterns_of_two_cells_are_edge_manifold() {
 #[test]
 fn random_labels_are_edge_manifold() {
     for seed in 0..400 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let count = 1 + (seed % 5) as u32;
         // Larger than a leaf along x, so that cells lie in several blocks.
         let mesh = mesh_of_labels([9, 5, 4], count, &mut random);
@@ -144,7 +134,7 @@ fn tiles_without_values_close_the_surface() {
 
 #[test]
 fn the_number_of_threads_does_not_matter() {
-    let mesh = || mesh_of_labels([20, 9, 11], 3, &mut Random(7));
+    let mesh = || mesh_of_labels([20, 9, 11], 3, &mut Random::new(7));
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(mesh);
     let many = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap().install(mesh);
     assert_eq!(one, many);
@@ -222,14 +212,15 @@ fn two_materials_fill_an_open_box_to_its_corners() {
 #[test]
 fn random_labels_in_an_open_box_are_edge_manifold() {
     for seed in 0..100 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let count = 1 + seed % 4;
         let size = DVec3::new(9.0, 4.0 + (seed % 3) as f64 / 3.0, 3.3);
         let bounds = Bounds { min: DVec3::ZERO, max: size };
         let certain = |own: bool, certainty: f32| if own { certainty } else { -1.0 };
         let values: Vec<Vec<f32>> = (0..9 * 5 * 4)
             .map(|_| {
-                let (label, certainty) = (random.next() % (count + 1), 0.05 + 0.95 * random.unit());
+                let (label, certainty) =
+                    (random.bits() % (count + 1), 0.05 + 0.95 * unit(&mut random));
                 (1..=count).map(|own| certain(own == label, certainty)).collect()
             })
             .collect();

@@ -11,10 +11,10 @@ use crate::error::Result;
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::facts::crossings;
-use crate::mesh::sets::Sets;
 use crate::mesh::sheets::Side;
 use crate::mesh::surface::sorted_sides;
 use crate::plane::Plane;
+use crate::sets::Sets;
 
 /// Times that what is wrong is taken back, each time with one more ring of neighbours,
 /// before everything is.

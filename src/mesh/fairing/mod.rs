@@ -15,7 +15,7 @@ mod umbrella;
 
 use std::collections::BTreeSet;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::grid::memory::available_memory;
 use crate::mesh::Mesh;
 use crate::plane::Plane;
@@ -149,7 +149,7 @@ fn require_length(mesh: &Mesh, length: f64) -> Result<()> {
     let (needed, available) = ((TRIANGLE_BYTES * triangles) as u64, available_memory());
     if needed > available {
         let what = format!("a mesh with edges of {length}");
-        return Err(Error::Memory { what, needed, available, hint: "use longer edges".into() });
+        return Err(Error::Memory { what, needed, available }.avoidable(Remedy::LongerEdges));
     }
     Ok(())
 }

@@ -6,9 +6,9 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
-use crate::mesh::sets::Sets;
 use crate::mesh::sheets::{Side, starts_at};
 use crate::mesh::surface::sorted_sides;
+use crate::sets::Sets;
 
 /// The ends of an edge, the smaller number first.
 pub type Ends = [u32; 2];
@@ -86,7 +86,7 @@ impl Network {
                 patches.join(one.1, other.1);
             }
         }
-        (0..count as u32).map(|triangle| patches.root(triangle)).collect()
+        patches.roots()
     }
 
     /// Keeps all of some patches where it is.

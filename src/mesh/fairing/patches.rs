@@ -13,8 +13,8 @@ use crate::error::{Error, Result};
 use crate::ffi::fairing::{self, Patch};
 use crate::label::Label;
 use crate::mesh::Mesh;
-use crate::mesh::sets::Sets;
 use crate::mesh::sheets::join_ends;
+use crate::sets::Sets;
 
 /// Rounds of splitting, collapsing, flipping and projecting back.
 const ROUNDS: u32 = 3;

@@ -36,10 +36,10 @@ fn mixture(seed: u64) -> Vec<Section> {
     ];
     let offsets = [0.0, -1.0, 0.25, 0.5, 1.0, -0.1, -0.5];
     let sections = normals.into_iter().zip(offsets).map(|(normal, offset)| {
-        let kind = random.next();
+        let kind = random.bits();
         let polygons = star(&mut random, kind);
         let background = polygons[0].1[1];
-        section(plane(normal, offset), &polygons, background)
+        partition(plane(normal, offset), &polygons, background)
     });
     sections.collect()
 }

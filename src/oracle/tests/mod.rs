@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::*;
+use crate::check::shapes::{partition, rectangle};
 use crate::plane::Plane;
 use crate::section::Edge;
 
@@ -20,29 +21,6 @@ fn plane(normal: [f64; 3], offset: f64) -> Plane {
 
 fn floor() -> Plane {
     plane([0.0, 0.0, 2.0], 0.0)
-}
-
-/// A plane with polygons on it, counter-clockwise, and the labels left and
-/// right of their edges.
-fn section(plane: Plane, polygons: &[(Vec<DVec2>, [Label; 2])], background: Label) -> Section {
-    let mut section =
-        Section { name: "test".into(), plane, vertices: vec![], edges: vec![], background };
-    for (corners, [left, right]) in polygons {
-        let (first, count) = (section.vertices.len() as u32, corners.len() as u32);
-        let edge = |at| Edge {
-            start: first + at,
-            end: first + (at + 1) % count,
-            left: *left,
-            right: *right,
-        };
-        section.edges.extend((0..count).map(edge));
-        section.vertices.extend(corners);
-    }
-    section
-}
-
-fn rectangle(min: [f64; 2], max: [f64; 2]) -> Vec<DVec2> {
-    [min, [max[0], min[1]], max, [min[0], max[1]]].map(DVec2::from).to_vec()
 }
 
 fn square(half: f64) -> Vec<DVec2> {
@@ -63,8 +41,8 @@ fn ask(oracle: &Oracle, point: [f64; 3]) -> (Label, Option<u32>, f64) {
 #[test]
 fn the_nearest_plane_decides() {
     let sections = [
-        section(plane([0.0, 0.0, 1.0], -0.5), &[(square(0.4), [A, O])], O),
-        section(plane([0.0, 0.0, -3.0], -1.5), &[(square(0.4), [B, O])], O),
+        partition(plane([0.0, 0.0, 1.0], -0.5), &[(square(0.4), [A, O])], O),
+        partition(plane([0.0, 0.0, -3.0], -1.5), &[(square(0.4), [B, O])], O),
     ];
     let oracle = Oracle::new(&sections, cube(1.5), O).unwrap();
     assert_eq!(ask(&oracle, [0.1, 0.2, 0.25]), (B, Some(1), 0.25));
@@ -89,7 +67,7 @@ fn on_a_contour_the_smallest_label_around_counts() {
     // Two squares side by side, and one that touches them in a corner.
     let polygons =
         [(rectangle([0.0, 0.0], [1.0, 1.0]), [B, O]), (rectangle([1.0, 1.0], [2.0, 2.0]), [A, O])];
-    let mut sections = [section(floor(), &polygons, Label(7))];
+    let mut sections = [partition(floor(), &polygons, Label(7))];
     sections[0].edges.iter_mut().for_each(|edge| edge.right = Label(7));
     let oracle = Oracle::new(&sections, cube(5.0), U).unwrap();
     let label = |x, y| ask(&oracle, [x, y, 0.25]).0;
@@ -109,7 +87,7 @@ fn on_a_contour_the_smallest_label_around_counts() {
 #[test]
 fn beyond_a_half_plane_its_border_is_nearest() {
     // Known where x < 0 (and not very far away), A below y = 0 and B above.
-    let mut half = section(
+    let mut half = partition(
         floor(),
         &[
             (rectangle([-9.0, -9.0], [0.0, 0.0]), [A, U]),
@@ -144,12 +122,12 @@ fn beyond_a_half_plane_its_border_is_nearest() {
 
 #[test]
 fn in_a_hole_the_nearest_rim_counts() {
-    let hole = section(
+    let hole = partition(
         floor(),
         &[(square(4.0), [A, O]), (rectangle([-2.0, -1.0], [2.0, 1.0]), [U, A])],
         O,
     );
-    let above = section(plane([0.0, 0.0, 1.0], 3.0), &[], B);
+    let above = partition(plane([0.0, 0.0, 1.0], 3.0), &[], B);
     let sections = [hole, above];
     let oracle = Oracle::new(&sections, cube(20.0), O).unwrap();
     assert_eq!(ask(&oracle, [0.0, 0.5, 0.0]), (A, Some(0), 0.5));
@@ -164,19 +142,19 @@ fn in_a_hole_the_nearest_rim_counts() {
 
 #[test]
 fn a_patch_is_nearest_at_its_sides_and_corners() {
-    let sections = [section(plane([1.0, 0.0, 0.0], 0.0), &[(square(1.0), [A, U])], U)];
+    let sections = [partition(plane([1.0, 0.0, 0.0], 0.0), &[(square(1.0), [A, U])], U)];
     let oracle = Oracle::new(&sections, cube(9.0), O).unwrap();
     assert_eq!(ask(&oracle, [0.5, 0.5, 0.5]), (A, Some(0), 0.5));
     assert_eq!(ask(&oracle, [3.0, 5.0, 0.0]), (O, None, 4.0));
     assert_eq!(ask(&oracle, [2.0, 3.0, 2.0]), (A, Some(0), 3.0));
-    let unknown = [section(floor(), &[], U)];
+    let unknown = [partition(floor(), &[], U)];
     assert!(Oracle::new(&unknown, cube(1.0), U).is_err());
     assert_eq!(ask(&Oracle::new(&unknown, cube(1.0), O).unwrap(), [0.5, 0.0, 0.0]).2, 0.5);
 }
 
 #[test]
 fn what_is_not_a_number_is_near_to_nothing() {
-    let sections = [section(floor(), &[(square(1.0), [A, U])], U)];
+    let sections = [partition(floor(), &[(square(1.0), [A, U])], U)];
     for border in [O, U] {
         let oracle = Oracle::new(&sections, cube(9.0), border).unwrap();
         for bad in [f64::NAN, f64::INFINITY, f64::MAX] {

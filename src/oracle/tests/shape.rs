@@ -10,7 +10,7 @@ use crate::progress::Silent;
 fn pair(halves: [f64; 2], labels: [Label; 2]) -> [Section; 2] {
     [0, 1].map(|at| {
         let floor = plane([0.0, 0.0, 1.0], at as f64 - 0.5);
-        section(floor, &[(square(halves[at]), [labels[at], O])], O)
+        partition(floor, &[(square(halves[at]), [labels[at], O])], O)
     })
 }
 
@@ -37,8 +37,8 @@ fn every_label_has_a_distance() {
 #[test]
 fn labels_without_an_edge_have_distances_too() {
     let sections = [
-        section(floor(), &[], B),
-        section(plane([1.0, 0.0, 0.0], 1.0), &[(square(1.0), [A, U])], U),
+        partition(floor(), &[], B),
+        partition(plane([1.0, 0.0, 0.0], 1.0), &[(square(1.0), [A, U])], U),
     ];
     let oracle = Oracle::new(&sections, cube(9.0), U).unwrap();
     assert_eq!(oracle.known_labels(), [A, B]);
@@ -73,7 +73,7 @@ fn a_plane_of_another_direction_cuts_the_certain_part() {
     // x + z = ½ meets the plane z = ½ in x = 0; at the foot (-0.1, 0, ½) the line
     // is 0.1 away.
     let mut sections = pair([0.4, 0.4], [A, A]).to_vec();
-    sections.push(section(plane([1.0, 0.0, 1.0], 0.5), &[], A));
+    sections.push(partition(plane([1.0, 0.0, 1.0], 0.5), &[], A));
     let oracle = Oracle::new(&sections, cube(1.5), O).unwrap();
     let found = oracle.certainty(DVec3::new(-0.1, 0.0, 0.48));
     assert!((found.alpha - 5.0).abs() < 1e-9);
@@ -86,10 +86,10 @@ fn cells_with_unknown_walls_are_not_certain() {
     // one x = 0.25 bound cells of which only that beyond 0.5 has it on a wall.
     let upper = plane([0.0, 0.0, 1.0], 0.5);
     let sections = [
-        section(plane([0.0, 0.0, 1.0], -0.5), &[], A),
-        section(upper, &[(rectangle([0.75, -0.2], [1.25, 0.2]), [U, A])], A),
-        section(plane([1.0, 0.0, 0.0], 0.5), &[], A),
-        section(plane([1.0, 0.0, 0.0], 0.25), &[], A),
+        partition(plane([0.0, 0.0, 1.0], -0.5), &[], A),
+        partition(upper, &[(rectangle([0.75, -0.2], [1.25, 0.2]), [U, A])], A),
+        partition(plane([1.0, 0.0, 0.0], 0.5), &[], A),
+        partition(plane([1.0, 0.0, 0.0], 0.25), &[], A),
     ];
     let oracle = Oracle::new(&sections, cube(1.5), O).unwrap();
     let known = |x, z| oracle.certainty(DVec3::new(x, 0.0, z)).known;

@@ -120,7 +120,7 @@ fn wrong_results_are_noticed() {
     let unfinished = Outcome { values: solved.values, left: left.copied().collect(), state };
     let is_noticed = |outcome: &Outcome| match gpu.check(&system, &b, &probes, outcome) {
         Ok(()) => false,
-        Err(error) => error.to_string().contains("use --device cpu"),
+        Err(error) => error.to_string().contains("use the CPU"),
     };
     assert!(is_noticed(&unfinished));
     state.is_done = 1;

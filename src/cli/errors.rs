@@ -1,0 +1,46 @@
+//! Errors in the command line's words, which alone knows what its options are called.
+
+use crate::error::{Error, Remedy};
+
+/// An error as one line, whatever a library's words contain.
+pub fn line(error: &Error) -> String {
+    words(error).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn words(error: &Error) -> String {
+    match error {
+        Error::Avoidable { error, remedy } => format!("{}{}", words(error), option(*remedy)),
+        Error::Device(what) => format!("GPU: {what}; use --device cpu"),
+        other => other.to_string(),
+    }
+}
+
+/// In place of the library's words, by options.
+fn option(remedy: Remedy) -> &'static str {
+    match remedy {
+        Remedy::CoarserLattice => "; use a lower --resolution or a larger --voxel-size",
+        Remedy::LongerEdges => "; use a larger --fair",
+        Remedy::LargerTriangles => "; use a larger --facet-size or --facet-distance",
+        Remedy::LargerSpacing => "; use a larger --spacing",
+        Remedy::NotStrict => " (an error because warnings are, --strict)",
+        Remedy::Overlap => ", or say who wins with --overlap first|last|smallest",
+        Remedy::UnknownLabel => "; give another --unknown-label, or none",
+        Remedy::OtherGrids => ", or leave the grid out of --grids",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_that_can_be_done_is_named_by_its_options() {
+        let error = Error::Option("label 7\n does not occur".to_owned());
+        let error = error.avoidable(Remedy::UnknownLabel).avoidable(Remedy::NotStrict);
+        assert!(!error.to_string().contains("--"), "{error}");
+        let line = line(&error);
+        assert!(line.starts_with("label 7 does not occur; "), "{line}");
+        assert!(line.contains("--unknown-label") && line.contains("--strict"), "{line}");
+        assert!(super::line(&Error::Device("it is gone".to_owned())).ends_with("--device cpu"));
+    }
+}
