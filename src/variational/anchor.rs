@@ -29,6 +29,8 @@ use super::system::Anchors;
 
 /// Voxels that fit into ℓ at least, for a level to change anything.
 const VOXELS_OF_LENGTH: f64 = 2.0;
+/// A triangle with less than this for its area has none, in square voxels.
+const NOTHING: f64 = 1e-9;
 
 /// What is smoothed, for all labels.
 #[derive(Debug, Clone, Copy)]
@@ -73,6 +75,16 @@ struct Coarse<'a> {
     sheets: Cow<'a, [[u32; 3]]>,
 }
 
+impl Coarse<'_> {
+    /// Whether there is more than edges and points, for rounding.
+    fn has_area(&self, voxel: f64) -> bool {
+        self.sheets.iter().any(|corners| {
+            let [a, b, c] = corners.map(|corner| self.vertices[corner as usize]);
+            (b - a).cross(c - a).length() > NOTHING * voxel * voxel
+        })
+    }
+}
+
 impl<'a> Anchor<'a> {
     /// Of a label; `None` where it has no surface.
     pub fn new(original: &Original<'a>, label: Label, voxel: f64) -> Option<Self> {
@@ -100,12 +112,17 @@ impl<'a> Anchor<'a> {
 
     /// As a level sees it: vertices in one cell as large as a voxel are one, in their
     /// middle. Triangles that lose their area so are left out, which keeps the surface
-    /// closed: what an edge loses on one side it loses on the other.
+    /// closed: what an edge loses on one side it loses on the other. Where all of them would,
+    /// in bodies smaller than a voxel, the surface is as it is.
     fn at(&self, voxel: f64) -> Coarse<'_> {
-        if voxel <= self.finest {
+        let coarse = (voxel > self.finest).then(|| self.merged(voxel));
+        coarse.filter(|coarse| coarse.has_area(voxel)).unwrap_or_else(|| {
             let [solid, sheets] = [&self.solid, &self.sheets].map(Cow::from);
-            return Coarse { vertices: Cow::from(self.vertices), solid, sheets };
-        }
+            Coarse { vertices: Cow::from(self.vertices), solid, sheets }
+        })
+    }
+
+    fn merged(&self, voxel: f64) -> Coarse<'_> {
         let mut merged: HashMap<[i64; 3], u32> = HashMap::new();
         let mut middles: Vec<(DVec3, f64)> = Vec::new();
         let own: Vec<u32> = (self.vertices.iter())

@@ -153,6 +153,29 @@ fn two_discs(plane: Plane) -> Section {
     own
 }
 
+/// A body smaller than the voxels of the levels that know where it is, alone or beside a
+/// large one, is there when all is smooth.
+#[test]
+fn what_coarse_levels_cannot_see_stays() {
+    let step = |step: i32| level(0.04 * f64::from(step));
+    let small: Vec<Section> = (-1..=1).map(|at| disc(step(at), 0.05, 40, LABEL)).collect();
+    let bounds = Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) };
+    let resolution = Resolution::Voxels(200);
+    let method = Method::MeanValue(MeanValue::default());
+    let mut model = Model::new(Options { method, resolution, bounds: Some(bounds) });
+    let mut volumes = Vec::new();
+    let sections = Sections { sections: small, ..Sections::default() };
+    model.apply(Change::Add(sections), &mut Context::default()).unwrap();
+    volumes.push(model.derived().unwrap().mesh.surface(LABEL).volume());
+    let cylinder: Vec<Section> = [-1.0, 1.0].map(|z| disc(level(z), 0.8, 400, Label(2))).into();
+    let sections = Sections { sections: cylinder, ..Sections::default() };
+    model.apply(Change::Add(sections), &mut Context::default()).unwrap();
+    volumes.push(model.derived().unwrap().mesh.surface(LABEL).volume());
+    // As high as the sections are and half a spacing more at either end, or a little less.
+    let expected = PI * 0.05 * 0.05 * 0.1;
+    assert!(volumes.iter().all(|own| (0.6..1.4).contains(&(own / expected))), "{volumes:?}");
+}
+
 #[test]
 fn a_cylinder_leaves_an_open_box_as_wide_as_it_is_inside() {
     let open = Made::new(&cylinder(), 64, 1.0, Label::UNKNOWN);
