@@ -189,7 +189,7 @@ fn a_cancelled_change_changes_nothing() {
     for method in methods().into_iter().chain(others) {
         let squares = squares();
         let [first, last] = [&squares[..4], &squares[4..]].map(sections);
-        let mut model = boxed(method, 24);
+        let mut model = boxed(method, 16);
         apply(&mut model, Change::Add(first.clone())).unwrap();
         let before = mesh(&model).clone();
         let mut patience = 0;
@@ -202,10 +202,10 @@ fn a_cancelled_change_changes_nothing() {
             }
             assert_same(mesh(&model), &before);
             assert_eq!(names(&model).len(), 4);
-            patience += 1 + patience / 4;
+            patience += 1 + patience / 2;
         }
         assert!(patience > 2, "{method:?} asks {patience} times");
-        let mut other = boxed(method, 24);
+        let mut other = boxed(method, 16);
         apply(&mut other, Change::Add(first)).unwrap();
         apply(&mut other, Change::Add(last)).unwrap();
         assert_alike(&model, &other);
