@@ -1,5 +1,6 @@
 //! The surface by patches, one for every leaf of the grid that it passes through: whoever
-//! draws a model that changes asks which of them changed, and draws these anew.
+//! draws a model that changes asks which of them changed, and draws these anew. (The patches
+//! of fairing are others: what lies between curves that stay.)
 
 use std::collections::{BTreeMap, HashMap};
 
