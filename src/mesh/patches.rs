@@ -74,7 +74,7 @@ impl Patches {
     pub fn follow(&mut self, mesh: &Mesh, lattice: Lattice) -> ChangedPatches {
         let mut next = Self::new(mesh, lattice);
         let is_on_it = self.lattice == next.lattice;
-        let was = std::mem::take(&mut self.parts);
+        let mut was = std::mem::take(&mut self.parts);
         let still = STILL * lattice.voxel;
         let mut changes = ChangedPatches {
             origin: lattice.origin.to_array(),
@@ -83,8 +83,8 @@ impl Patches {
         };
         changes.removed.extend(was.keys().filter(|name| !next.parts.contains_key(*name)));
         for (name, part) in &mut next.parts {
-            match was.get(name).filter(|was| is_on_it && is_still(was, part, still)) {
-                Some(was) => part.clone_from(was),
+            match was.remove(name).filter(|was| is_on_it && is_still(was, part, still)) {
+                Some(was) => *part = was,
                 None => changes.changed.push(*name),
             }
         }
