@@ -12,15 +12,15 @@ pub struct Limits {
     /// When the residual, in the norm of the preconditioner, has become so many
     /// times smaller.
     pub tolerance: f64,
-    /// The squared norm that is compared with, if it is not that of the residual
+    /// The squared norm that is compared with, if it is larger than that of the residual
     /// given.
-    pub of: Option<f64>,
+    pub of: f64,
 }
 
 impl Limits {
     /// So small r · D⁻¹ r is to become, from `first` on.
     pub fn goal(&self, first: f64) -> f64 {
-        self.tolerance * self.tolerance * self.of.unwrap_or(first)
+        self.tolerance * self.tolerance * self.of.max(first)
     }
 }
 

@@ -244,7 +244,7 @@ fn corrects_as_the_reference(make: Make) {
         let (system, reference) = (case.system(), case.reference());
         let b = right(&case, 3);
         for iterations in [1, 2, 5, 20] {
-            let limits = Limits { iterations, tolerance: 1e-6, of: None };
+            let limits = Limits { iterations, tolerance: 1e-6, of: 0.0 };
             let found = backend.correct(&system, case.flat(&b), limits).unwrap();
             // In a box of few nodes it may have ended before.
             assert!(found.iterations == iterations || case.free.len() < 20, "{}", case.name);
@@ -263,7 +263,7 @@ fn ends_at_the_tolerance(make: Make) {
     let case = cases().swap_remove(0);
     let reference = case.reference();
     let b = right(&case, 4);
-    let limits = Limits { iterations: 500, tolerance: 1e-4, of: None };
+    let limits = Limits { iterations: 500, tolerance: 1e-4, of: 0.0 };
     let found = backend.correct(&case.system(), case.flat(&b), limits).unwrap();
     // More than are submitted at once to a device.
     assert!((33..500).contains(&found.iterations), "{}", found.iterations);
@@ -282,7 +282,7 @@ fn ends_at_the_tolerance(make: Make) {
 
 fn gives_the_same_bytes_again(make: Make) {
     let Some(backend) = make() else { return };
-    let limits = Limits { iterations: 20, tolerance: 1e-6, of: None };
+    let limits = Limits { iterations: 20, tolerance: 1e-6, of: 0.0 };
     let solve = |case: &Case| {
         let b = right(case, 5);
         let found = backend.correct(&case.system(), case.flat(&b), limits).unwrap();
@@ -298,7 +298,7 @@ fn gives_the_same_bytes_again(make: Make) {
 fn solves_nothing(make: Make) {
     let Some(backend) = make() else { return };
     let system = System::new(Vec::new(), |_| true, None, &[], &along(&[]));
-    let limits = Limits { iterations: 20, tolerance: 1e-6, of: None };
+    let limits = Limits { iterations: 20, tolerance: 1e-6, of: 0.0 };
     assert!(backend.apply(&system, &[]).unwrap().is_empty());
     assert!(backend.correct(&system, Vec::new(), limits).unwrap().values.is_empty());
     // A residual of 0.
@@ -312,7 +312,7 @@ fn solves_without_iterations(make: Make) {
     let Some(backend) = make() else { return };
     let case = cases().swap_remove(1);
     let b = right(&case, 6);
-    let limits = Limits { iterations: 0, tolerance: 1e-6, of: None };
+    let limits = Limits { iterations: 0, tolerance: 1e-6, of: 0.0 };
     let found = backend.correct(&case.system(), case.flat(&b), limits).unwrap();
     assert_eq!(found.iterations, 0);
     assert!(found.values.iter().all(|&value| value == 0.0));

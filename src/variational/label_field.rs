@@ -38,15 +38,15 @@ const BAND: i32 = 2;
 /// Times that the samples on the wrong side are looked for.
 const PASSES: u32 = 3;
 /// Where all of the box is solved for.
-const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: None };
+const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: 0.0 };
 /// In the band of the coarsest level that has one. What is solved there is all that
 /// finer levels know of the shape between sections, whatever their voxels.
-const FIRST_NARROW: Limits = Limits { iterations: 100, tolerance: 1e-3, of: None };
+const FIRST_NARROW: Limits = Limits { iterations: 100, tolerance: 1e-3, of: 0.0 };
 /// In the band of the others. With more of them walls as thin as sections are apart shrink.
-const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-3, of: None };
+const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-3, of: 0.0 };
 /// And of the finest: what is wrong with the interpolated values is as short there as the
 /// voxels, and soon mended; what is longer, coarser levels have seen to.
-const FINEST: Limits = Limits { iterations: 15, tolerance: 1e-3, of: None };
+const FINEST: Limits = Limits { iterations: 15, tolerance: 1e-3, of: 0.0 };
 
 /// What all labels' fields are made from.
 pub struct Scene<'a> {
@@ -98,8 +98,9 @@ struct Solver<'a> {
     anchored: Vec<LeafGrid>,
     effort: Effort,
     kept: Vec<KeptLevel>,
-    /// How far the present whole level was from its solution when it began.
-    first: Option<f64>,
+    /// How far the present level was from its solution when it began: the squared norm of the
+    /// residual.
+    first: f64,
 }
 
 impl LabelField {
@@ -122,7 +123,7 @@ impl LabelField {
             anchored: Vec::new(),
             effort: Effort::default(),
             kept: Vec::new(),
-            first: None,
+            first: 0.0,
         };
         let mut band = Vec::new();
         for whole in 0..scene.space.whole {
@@ -163,7 +164,6 @@ impl<'a> Solver<'a> {
         self.push(level)?;
         self.ensure(all.iter().copied());
         if self.is_solved(number) {
-            self.first = None;
             self.solve_whole(number)?;
         }
         Ok(all)
@@ -180,6 +180,7 @@ impl<'a> Solver<'a> {
             });
         }
         self.levels.push(level);
+        self.first = 0.0;
         Ok(())
     }
 
@@ -199,11 +200,10 @@ impl<'a> Solver<'a> {
         let leaves = enter(&mut making, all, &mut self.levels[number].grid);
         let samples = self.samples_near(number, samples, &leaves);
         let targets = is_soft.then(|| self.soft_targets(number, &samples));
-        for _ in 0..PASSES {
-            let pulls = self.pulls(number, &samples, targets.as_deref());
-            let limits = Limits { of: self.first, ..WHOLE };
-            let size = self.solve(number, leaves.clone(), &pulls, limits)?;
-            self.first.get_or_insert(size);
+        for pass in 0..PASSES {
+            let seen = self.seen(number, &mut making, pass == 0);
+            let pulls = self.pulls(number, &seen, &samples, targets.as_deref());
+            self.solve(number, leaves.clone(), &pulls, WHOLE, making.as_mut())?;
         }
         self.keep(making);
         Ok(())
@@ -276,7 +276,7 @@ impl<'a> Solver<'a> {
             (false, false) => (1, NARROW),
         };
         let mut making = self.making(number);
-        for _ in 0..passes {
+        for pass in 0..passes {
             band = near_changes(&self.levels[number].grid, BAND);
             band.extend(&contours);
             band.sort_unstable();
@@ -287,8 +287,9 @@ impl<'a> Solver<'a> {
             let samples = self.samples_in(number, &leaves, &band);
             let is_soft = (is_first || !is_last) && self.anchor.is_none();
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
-            let pulls = self.pulls(number, &samples, targets.as_deref());
-            self.solve(number, leaves, &pulls, limits)?;
+            let seen = self.seen(number, &mut making, pass == 0);
+            let pulls = self.pulls(number, &seen, &samples, targets.as_deref());
+            self.solve(number, leaves, &pulls, limits, making.as_mut())?;
         }
         self.keep(making);
         Ok(band)
@@ -425,10 +426,25 @@ impl<'a> Solver<'a> {
         points.into_iter().map(|at| ((at - origin) / voxel).to_array()).collect()
     }
 
-    /// What pulls at the field, by the values that it has.
+    /// The values by which samples are on the wrong side.
+    fn seen(
+        &self,
+        number: usize,
+        making: &mut Option<Making>,
+        is_first: bool,
+    ) -> Cow<'_, LeafGrid> {
+        let grid = &self.levels[number].grid;
+        match making {
+            Some(making) => making.see(grid, is_first),
+            None => Cow::Borrowed(grid),
+        }
+    }
+
+    /// What pulls at a field with some values.
     fn pulls(
         &self,
         number: usize,
+        values: &LeafGrid,
         samples: &[PlaneSample],
         targets: Option<&[Option<f32>]>,
     ) -> Vec<Pull> {
@@ -440,7 +456,7 @@ impl<'a> Solver<'a> {
             contours.into_iter().map(|at| Pull { at, weight: FIRM, target: 0.0 }).collect();
         let pull = |(index, sample): (usize, &PlaneSample)| {
             let at = ((sample.at - origin) / voxel).to_array();
-            let value = trilinear(level, at)?;
+            let value = trilinear(values, at)?;
             let side = if sample.label == self.label { 1.0 } else { -1.0 };
             let target = targets.and_then(|targets| targets[index]);
             let margin = match target {
@@ -461,14 +477,15 @@ impl<'a> Solver<'a> {
         pulls
     }
 
-    /// Solves for the free nodes of leaves; says how far they were from the solution.
+    /// Solves for the free nodes of leaves.
     fn solve(
         &mut self,
         number: usize,
         mut leaves: Vec<[i32; 3]>,
         pulls: &[Pull],
         limits: Limits,
-    ) -> Result<f64> {
+        making: Option<&mut Making>,
+    ) -> Result<()> {
         self.scene.progress.go_on()?;
         let level = &self.levels[number];
         let is_beyond = self.scene.space.beyond(&level.lattice);
@@ -484,15 +501,24 @@ impl<'a> Solver<'a> {
             let is_open = self.scene.is_open;
             system.anchors = Some(anchor.anchors(level, distances, &system.leaves, is_open));
         }
-        let residual = residual(&system, &level.grid);
-        let correction = self.scene.backend.correct(&system, residual, limits)?;
+        let mut wanted = residual(&system, &level.grid);
+        if let Some(making) = &making {
+            making.spare(&system, &mut wanted);
+        }
+        let usual = making.as_ref().map_or(0.0, |making| making.usual(&system));
+        let limits = Limits { of: self.first.max(usual), ..limits };
+        let correction = self.scene.backend.correct(&system, wanted, limits)?;
+        self.first = self.first.max(correction.size);
         self.effort.add(system.unknowns(), correction.iterations);
         let grid = &mut self.levels[number].grid;
         for (leaf, values) in system.leaves.iter().zip(correction.values.chunks(LEAF_NODES)) {
             let own = grid.leaf_mut(grid.slot(*leaf));
             own.iter_mut().zip(values).for_each(|(own, by)| *own += by);
         }
-        Ok(correction.size)
+        if let Some(making) = making {
+            making.leave(&system, &residual(&system, grid), self.first);
+        }
+        Ok(())
     }
 }
 
@@ -526,7 +552,7 @@ pub fn node_of(leaf: [i32; 3], node: usize) -> [i32; 3] {
 }
 
 /// The value at a place given in nodes, where all nodes around it have one.
-fn trilinear(level: &Level, at: [f64; 3]) -> Option<f32> {
+fn trilinear(grid: &LeafGrid, at: [f64; 3]) -> Option<f32> {
     let low = node_below(at);
     let [x, y, z] = std::array::from_fn(|axis| {
         let high = (at[axis] - f64::from(low[axis])) as f32;
@@ -534,13 +560,13 @@ fn trilinear(level: &Level, at: [f64; 3]) -> Option<f32> {
     });
     let first = low.map(|along| along.rem_euclid(SIDE) as usize);
     let is_within = first.iter().all(|&along| along + 1 < LEAF_SIDE);
-    let leaf = if is_within { Some(level.grid.get(leaf_of(low))?) } else { None };
+    let leaf = if is_within { Some(grid.get(leaf_of(low))?) } else { None };
     let mut sum = 0.0;
     for corner in 0..8 {
         let step = [corner >> 2, corner >> 1 & 1, corner & 1];
         let value = match leaf {
             Some(leaf) => leaf[node_index(std::array::from_fn(|axis| first[axis] + step[axis]))],
-            None => level.grid.value(std::array::from_fn(|axis| low[axis] + step[axis] as i32))?,
+            None => grid.value(std::array::from_fn(|axis| low[axis] + step[axis] as i32))?,
         };
         sum += x[step[0]] * y[step[1]] * z[step[2]] * value;
     }

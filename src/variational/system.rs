@@ -155,6 +155,11 @@ impl System {
         self.free.iter().flatten().map(|word| u64::from(word.count_ones())).sum()
     }
 
+    /// Whether a node of a leaf is free.
+    pub fn is_free(&self, leaf: usize, node: usize) -> bool {
+        self.free[leaf][node / 64] >> (node % 64) & 1 == 1
+    }
+
     /// The samples that bear on a leaf.
     pub fn samples_of(&self, leaf: usize) -> &[Sample] {
         &self.samples[self.starts[leaf] as usize..self.starts[leaf + 1] as usize]

@@ -227,7 +227,7 @@ impl Backend for Gpu {
             return self.cpu.apply(system, values);
         }
         let tables = Tables::new(system);
-        let state = State::new(system, Limits { iterations: 1, tolerance: 0.0, of: None }, 0.0);
+        let state = State::new(system, Limits { iterations: 1, tolerance: 0.0, of: 0.0 }, 0.0);
         let mut buffers = self.buffers.lock().unwrap_or_else(PoisonError::into_inner);
         self.upload(&mut buffers, &tables, state)?;
         buffers.write(&self.connection, DIRECTION, cast_slice(values))?;

@@ -7,7 +7,7 @@ use super::*;
 use crate::error::Error;
 use crate::variational::contract::{cases, right};
 
-const LIMITS: Limits = Limits { iterations: 20, tolerance: 1e-6, of: None };
+const LIMITS: Limits = Limits { iterations: 20, tolerance: 1e-6, of: 0.0 };
 
 fn any_gpu() -> Option<Gpu> {
     match Gpu::new(Adapter::Any) {
