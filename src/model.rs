@@ -61,8 +61,8 @@ pub struct Options {
     /// How fine the grid is.
     pub resolution: Resolution,
     /// The box that is filled; no contour may leave it. Without one it follows from the
-    /// sections, anew with every change. In a given box the mean-value field is evaluated, and
-    /// the variational field solved for, only where a change concerns it.
+    /// sections, anew with every change. As long as the box stays as it is the mean-value field
+    /// is evaluated, and the variational field solved for, only where a change concerns it.
     pub bounds: Option<Bounds>,
 }
 
@@ -215,7 +215,10 @@ impl Model {
         let Context { rules, stages, progress } = context;
         let sections = given.merged(rules)?;
         let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let derive = |sections| derive(sections, &self.options, lasting, stages, *progress);
+        // What may well be the only change leaves nothing behind that takes time and memory.
+        let keeps = self.options.bounds.is_some() || self.derived.is_some();
+        let derive =
+            |sections| derive(sections, &self.options, (keeps, lasting), stages, *progress);
         let derived = sections.as_ref().map(derive).transpose()?;
         keep()?;
         self.derived = derived;
@@ -330,7 +333,7 @@ struct Ground<'a> {
     sections: &'a [Section],
     bounds: Bounds,
     lattice: Lattice,
-    /// Whether the box stays, and so what was derived in it is worth keeping.
+    /// Whether what is derived is to be kept for the next change.
     keeps: bool,
 }
 
@@ -338,7 +341,7 @@ struct Ground<'a> {
 fn derive(
     sections: &Sections,
     options: &Options,
-    lasting: &mut Lasting,
+    (keeps, lasting): (bool, &mut Lasting),
     stages: &mut Stages,
     progress: &dyn Progress,
 ) -> Result<Derived> {
@@ -348,7 +351,6 @@ fn derive(
     };
     let lattice = Lattice::new(bounds, options.resolution)?;
     require_memory(&lattice, &sections.sections, sections.materials.len())?;
-    let keeps = options.bounds.is_some();
     let ground = Ground { sections: &sections.sections, bounds, lattice, keeps };
     match &options.method {
         Method::Variational(method) => ground.solve(method, &mut lasting.fields, stages, progress),

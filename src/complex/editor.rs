@@ -213,8 +213,14 @@ impl Complex {
         for &facet in &parts.removed_facets {
             self.facets.put(facet, None);
         }
+        // One that is drawn anew mostly shows what it did.
+        let mut facets = Vec::new();
         for (index, &id) in parts.facets.iter().enumerate() {
-            self.facets.put(id, Some(facet(&parts, index)));
+            let drawn = facet(&parts, index);
+            if self.facets.get(id) != Some(&drawn) {
+                self.facets.put(id, Some(drawn));
+                facets.push(id);
+            }
         }
         for &cell in &parts.removed_cells {
             self.cells.put(cell, None);
@@ -226,7 +232,7 @@ impl Complex {
             let facets = parts.cell_facets[facets].to_vec();
             self.cells.put(id, Some(Cell { facets, labels: Vec::new() }));
         }
-        for &id in &parts.facets {
+        for &id in &facets {
             cells.extend(self.facets[id].cells.into_iter().flatten());
         }
         for &cell in &cells {
@@ -235,7 +241,7 @@ impl Complex {
         Touched {
             cells: cells.into_iter().collect(),
             removed_cells: parts.removed_cells,
-            facets: parts.facets,
+            facets,
             removed_facets: parts.removed_facets,
         }
     }
