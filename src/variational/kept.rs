@@ -33,7 +33,7 @@ use super::Space;
 use super::label_field::{LabelField, Scene, node_of};
 use super::level::{Level, leaves_between, near_points};
 use super::metric::Metric;
-use super::plane_samples::{Region, plane_samples};
+use super::plane_samples::{PlaneSample, Region, plane_samples};
 use super::system::System;
 
 /// How much the start of a leaf may change before it is solved for again, in voxels of the
@@ -158,17 +158,29 @@ impl Kept {
 /// The places on planes, not farther apart than a spacing, at which only one of two lists of
 /// sections has a contour or says what it does.
 fn differences(changed: &[Vec<Section>; 2], bounds: Bounds, spacing: f64) -> Vec<DVec3> {
+    let sampled = |own: &Section| {
+        plane_samples(std::slice::from_ref(own), bounds, spacing, Region::Everywhere)
+    };
+    let [mut was, is] = changed.each_ref().map(|own| own.iter().collect::<Vec<_>>());
+    let mut places = Vec::new();
+    for section in is {
+        let other = was.iter().position(|other| other.plane() == section.plane());
+        let before = other.map_or_else(Vec::new, |other| sampled(was.swap_remove(other)));
+        let now = sampled(section);
+        let at = |sample: &PlaneSample| sample.at;
+        // Where parts are unknown others are sampled.
+        match before.iter().map(at).eq(now.iter().map(at)) {
+            true => {
+                let pairs = before.iter().zip(&now);
+                let other = pairs.filter(|(before, now)| before.label != now.label);
+                places.extend(other.map(|(_, now)| now.at));
+            }
+            false => places.extend(before.iter().chain(&now).map(at)),
+        }
+    }
+    places.extend(was.into_iter().flat_map(sampled).map(|sample| sample.at));
     let bits = |at: DVec3| at.to_array().map(f64::to_bits);
-    let [was, is] = changed.each_ref().map(|sections| {
-        let samples = plane_samples(sections, bounds, spacing, Region::Everywhere);
-        let mut samples: Vec<([u64; 3], Label)> =
-            samples.iter().map(|sample| (bits(sample.at), sample.label)).collect();
-        samples.par_sort_unstable();
-        samples
-    });
     let place = |bits: [u64; 3]| DVec3::from_array(bits.map(f64::from_bits));
-    let mut places: Vec<DVec3> =
-        not_common(&was, &is).into_iter().map(|(at, _)| place(at)).collect();
     let [was, is] = changed.each_ref().map(|sections| {
         let mut segments: Vec<[[u64; 3]; 2]> =
             sections.iter().flat_map(Section::segments).map(|ends| ends.map(bits)).collect();

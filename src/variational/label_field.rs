@@ -29,6 +29,8 @@ use super::{Effort, Space, Weights};
 
 /// What a sample on a contour counts, and one that is on the wrong side.
 const FIRM: f32 = 10.0;
+/// What holds a field at a contour.
+const ON_CONTOUR: Pull = Pull { at: [0.0; 3], weight: FIRM, target: 0.0 };
 /// How far on its side a sample is wanted to be, in voxels.
 const MARGIN: f64 = 0.5;
 /// Contour samples are so far apart, in voxels.
@@ -91,6 +93,8 @@ struct Solver<'a> {
     label: Label,
     outline: Outline,
     levels: Vec<Level>,
+    /// Where the contours are sampled on the present level, in nodes.
+    contours: Vec<[f64; 3]>,
     /// What it is drawn to, and the signed distances from it on the levels that are solved to
     /// the end, up to the first in a band. On finer ones it would draw waves that are much
     /// longer than what is still to be mended there.
@@ -119,6 +123,7 @@ impl LabelField {
             label,
             outline,
             levels: Vec::new(),
+            contours: Vec::new(),
             anchor,
             anchored: Vec::new(),
             effort: Effort::default(),
@@ -179,6 +184,10 @@ impl<'a> Solver<'a> {
                 false => anchor.band(&level),
             });
         }
+        let Lattice { origin, voxel, .. } = level.lattice;
+        let points = self.outline.points(CONTOUR_SPACING * voxel);
+        let in_nodes = |at: DVec3| ((at - origin) / voxel).to_array();
+        self.contours = points.into_par_iter().map(in_nodes).collect();
         self.levels.push(level);
         self.first = 0.0;
         Ok(())
@@ -198,11 +207,12 @@ impl<'a> Solver<'a> {
         // Where all begins nothing is interpolated.
         let mut making = self.making(number).filter(|_| number > 0);
         let leaves = enter(&mut making, all, &mut self.levels[number].grid);
-        let samples = self.samples_near(number, samples, &leaves);
+        let near = self.leaves_before(number, &leaves);
+        let samples = self.samples_near(number, samples, &near);
         let targets = is_soft.then(|| self.soft_targets(number, &samples));
         for pass in 0..PASSES {
             let seen = self.seen(number, &mut making, pass == 0);
-            let pulls = self.pulls(number, &seen, &samples, targets.as_deref());
+            let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
             self.solve(number, leaves.clone(), &pulls, WHOLE, making.as_mut())?;
         }
         self.keep(making);
@@ -223,26 +233,22 @@ impl<'a> Solver<'a> {
         self.kept.extend(level.map(|(making, level)| making.keep(level)));
     }
 
-    /// Those samples that bear on some leaves of a level.
-    fn samples_near<'s>(
+    /// Those samples that are in some leaves of a level.
+    fn samples_near(
         &self,
         number: usize,
-        samples: &'s [PlaneSample],
-        leaves: &[[i32; 3]],
-    ) -> Cow<'s, [PlaneSample]> {
-        let level = &self.levels[number];
-        if leaves.len() == level.grid.leaves().len() {
-            return Cow::from(samples);
-        }
-        let near = self.leaves_before(number, leaves);
-        let Lattice { origin, voxel, .. } = level.lattice;
+        samples: &[PlaneSample],
+        near: &LeafSet,
+    ) -> Vec<PlaneSample> {
+        let Lattice { origin, voxel, .. } = self.levels[number].lattice;
         let is_near = |sample: &&PlaneSample| {
             near.has(leaf_of(node_below(((sample.at - origin) / voxel).to_array())))
         };
         samples.iter().copied().filter(|sample| is_near(&sample)).collect()
     }
 
-    /// Leaves, and those before them along the axes: the cells between belong to these.
+    /// Leaves, and those before them along the axes, which the cells between belong to: what
+    /// is in these bears on the leaves.
     fn leaves_before(&self, number: usize, leaves: &[[i32; 3]]) -> LeafSet {
         let mut near = LeafSet::new(&self.levels[number].grid);
         for &leaf in leaves {
@@ -257,8 +263,8 @@ impl<'a> Solver<'a> {
     fn add_narrow_level(&mut self, number: usize) -> Result<Vec<[i32; 3]>> {
         let lattice = self.scene.space.lattices[number];
         let level = Level::new(lattice, self.scene.is_open);
-        let contours = near_points(&self.contour_places(&level), BAND);
         self.push(level)?;
+        let contours = near_points(&self.contours, BAND);
         let starts_at_anchor = self.starts_at_anchor(number);
         let mut band = match starts_at_anchor {
             true => self.anchored[number].leaves().to_vec(),
@@ -284,11 +290,12 @@ impl<'a> Solver<'a> {
             band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
             self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
             let leaves = enter(&mut making, band.clone(), &mut self.levels[number].grid);
-            let samples = self.samples_in(number, &leaves, &band);
+            let near = self.leaves_before(number, &leaves);
+            let samples = self.samples_in(number, &near, &band);
             let is_soft = (is_first || !is_last) && self.anchor.is_none();
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
             let seen = self.seen(number, &mut making, pass == 0);
-            let pulls = self.pulls(number, &seen, &samples, targets.as_deref());
+            let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
             self.solve(number, leaves, &pulls, limits, making.as_mut())?;
         }
         self.keep(making);
@@ -403,27 +410,15 @@ impl<'a> Solver<'a> {
             .collect()
     }
 
-    /// The plane samples in a band that bear on some of its leaves.
-    fn samples_in(
-        &self,
-        number: usize,
-        leaves: &[[i32; 3]],
-        band: &[[i32; 3]],
-    ) -> Vec<PlaneSample> {
+    /// The plane samples in a band that are in some leaves.
+    fn samples_in(&self, number: usize, near: &LeafSet, band: &[[i32; 3]]) -> Vec<PlaneSample> {
         let Lattice { origin, voxel, .. } = self.levels[number].lattice;
         let mut inside = LeafSet::new(&self.levels[number].grid);
-        let near = self.leaves_before(number, leaves);
         for &leaf in band.iter().filter(|leaf| near.has(**leaf)) {
             inside.insert(leaf);
         }
         let region = Region::Leaves { leaves: &inside, origin, side: f64::from(SIDE) * voxel };
         plane_samples(self.scene.sections, self.scene.space.bounds, voxel, region)
-    }
-
-    fn contour_places(&self, level: &Level) -> Vec<[f64; 3]> {
-        let Lattice { origin, voxel, .. } = level.lattice;
-        let points = self.outline.points(CONTOUR_SPACING * voxel);
-        points.into_iter().map(|at| ((at - origin) / voxel).to_array()).collect()
     }
 
     /// The values by which samples are on the wrong side.
@@ -440,20 +435,20 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// What pulls at a field with some values.
+    /// What pulls at a field with some values: the contours in some leaves, and samples.
     fn pulls(
         &self,
         number: usize,
+        near: &LeafSet,
         values: &LeafGrid,
         samples: &[PlaneSample],
         targets: Option<&[Option<f32>]>,
     ) -> Vec<Pull> {
-        let level = &self.levels[number];
-        let Lattice { origin, voxel, .. } = level.lattice;
+        let Lattice { origin, voxel, .. } = self.levels[number].lattice;
         let soft = SAMPLES_PER_EVEN * self.scene.weights.soft_weight(voxel, self.scene.unit);
-        let contours = self.contour_places(level);
-        let mut pulls: Vec<Pull> =
-            contours.into_iter().map(|at| Pull { at, weight: FIRM, target: 0.0 }).collect();
+        let is_near = |at: &[f64; 3]| near.has(leaf_of(node_below(*at)));
+        let contour = |at: &[f64; 3]| is_near(at).then_some(Pull { at: *at, ..ON_CONTOUR });
+        let mut pulls: Vec<Pull> = self.contours.par_iter().filter_map(contour).collect();
         let pull = |(index, sample): (usize, &PlaneSample)| {
             let at = ((sample.at - origin) / voxel).to_array();
             let value = trilinear(values, at)?;

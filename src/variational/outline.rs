@@ -1,6 +1,7 @@
 //! All contours of one label.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::label::Label;
 use crate::section::Section;
@@ -14,6 +15,8 @@ use super::segments::{Hint, SegmentTree};
 pub struct Outline {
     /// In world units, in the order of the sections' edges.
     segments: Vec<[DVec3; 2]>,
+    /// Where those of each section end.
+    ends: Vec<usize>,
     metric: Metric,
     /// The same in the squeezed space, to be searched.
     tree: SegmentTree,
@@ -22,7 +25,7 @@ pub struct Outline {
 impl Outline {
     /// Of a label.
     pub fn new(sections: &[Section], label: Label, metric: Metric) -> Self {
-        let mut segments = Vec::new();
+        let (mut segments, mut ends) = (Vec::new(), Vec::new());
         for section in sections {
             for edge in section.edges() {
                 let sides = [edge.left, edge.right];
@@ -31,10 +34,11 @@ impl Outline {
                     segments.push([section.point(edge.start), section.point(edge.end)]);
                 }
             }
+            ends.push(segments.len());
         }
         let squeezed = |segment: &[DVec3; 2]| segment.map(|end| metric.squeezed(end));
         let tree = SegmentTree::new(segments.iter().map(squeezed).collect());
-        Self { segments, metric, tree }
+        Self { segments, ends, metric, tree }
     }
 
     /// The distance from a point to the nearest contour, squeezed; infinite without any.
@@ -47,22 +51,29 @@ impl Outline {
         self.tree.distance_below(limit, self.metric.squeezed(point))
     }
 
-    /// Points along the contours, one for each `spacing` of their length: shorter
-    /// edges share one.
+    /// Points along the contours of each section, one for each `spacing` of their length:
+    /// shorter edges share one.
     pub fn points(&self, spacing: f64) -> Vec<DVec3> {
-        let mut points = Vec::new();
-        // Where the next point lies, from the start of the segment.
-        let mut next = spacing / 2.0;
-        for &[start, end] in &self.segments {
-            let length = start.distance(end);
-            while next < length {
-                points.push(start.lerp(end, next / length));
-                next += spacing;
-            }
-            next -= length;
-        }
-        points
+        let starts = std::iter::once(&0).chain(&self.ends);
+        let sections: Vec<&[[DVec3; 2]]> =
+            starts.zip(&self.ends).map(|(&start, &end)| &self.segments[start..end]).collect();
+        sections.into_par_iter().flat_map_iter(|own| points_along(own, spacing)).collect()
     }
+}
+
+fn points_along(segments: &[[DVec3; 2]], spacing: f64) -> Vec<DVec3> {
+    let mut points = Vec::new();
+    // Where the next point lies, from the start of the segment.
+    let mut next = spacing / 2.0;
+    for &[start, end] in segments {
+        let length = start.distance(end);
+        while next < length {
+            points.push(start.lerp(end, next / length));
+            next += spacing;
+        }
+        next -= length;
+    }
+    points
 }
 
 #[cfg(test)]
