@@ -74,19 +74,17 @@ impl Kept {
     ) -> Result<Option<Cell>> {
         progress.go_on()?;
         let watcher = Watcher::new(progress);
-        let key = prepared.key(cell, exact, most_pieces).map_err(failed)?;
-        let known = self.surfaces.get(&key.words).cloned();
-        let is_new = known.is_none() && !key.words.is_empty();
-        let surface = match known {
-            Some(surface) => Some(surface),
-            None if is_new => {
-                let made = prepared.surface(cell, exact, most_pieces, &watcher);
-                Some(Arc::new(made.map_err(failed)?))
-            }
-            None => None,
+        let ffi::CellKey { words, points, planes } =
+            prepared.key(cell, exact, most_pieces).map_err(failed)?;
+        let known = self.surfaces.get(&words).cloned();
+        let is_new = known.is_none() && !words.is_empty();
+        let surface = if is_new {
+            let made = prepared.surface(cell, exact, most_pieces, &watcher);
+            Some(Arc::new(made.map_err(failed)?))
+        } else {
+            known
         };
         watcher.reach(1.0);
-        let ffi::CellKey { words, points, planes } = key;
         Ok(surface.map(|surface| Cell { words, points, planes, surface, is_new }))
     }
 }
