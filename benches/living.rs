@@ -11,7 +11,7 @@ use common::{files, median, name};
 use transect::grid::lattice::Resolution;
 use transect::io::read_sections;
 use transect::{
-    Change, Context, MeanValue, Method, Model, Options, Patches, Result, Rules, Sections,
+    Change, Context, MeanValue, Method, Model, Options, Patches, Result, Rules, Sections, Skeleton,
 };
 
 const RESOLUTION: Resolution = Resolution::Voxels(256);
@@ -52,10 +52,15 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-fn methods() -> [(&'static str, Method); 3] {
+fn methods() -> [(&'static str, Method); 4] {
     let mvc = |smooth| Method::MeanValue(MeanValue { smooth, ..MeanValue::default() });
     let smooth = MeanValue::default().smooth;
-    [("mvc, not smoothed", mvc(0.0)), ("mvc", mvc(smooth)), ("variational", Method::default())]
+    [
+        ("mvc, not smoothed", mvc(0.0)),
+        ("mvc", mvc(smooth)),
+        ("variational", Method::default()),
+        ("skeleton", Method::Skeleton(Skeleton::default())),
+    ]
 }
 
 /// What the last section of a file costs.
@@ -63,7 +68,7 @@ struct Last {
     at_once: f64,
     added: f64,
     removed: f64,
-    /// Of the evaluations or unknowns that all sections need.
+    /// Of the evaluations, unknowns or cells that all sections need.
     of_field: f64,
     /// Of the patches.
     of_patches: f64,
@@ -111,10 +116,12 @@ impl Last {
     }
 }
 
-/// Evaluations of the mean-value field, or unknowns of the variational one.
+/// Unknowns of the variational field, evaluations of the mean-value field, or cells computed of
+/// the exact surface.
 fn effort(context: &Context) -> f64 {
-    let count = |what| context.stages.count_of(what) as f64;
-    if count("unknowns") > 0.0 { count("unknowns") } else { count("evaluations") }
+    let counts = ["unknowns", "evaluations", "cells computed"];
+    let counts = counts.map(|what| context.stages.count_of(what) as f64);
+    counts.into_iter().find(|&count| count > 0.0).unwrap_or(0.0)
 }
 
 /// The part of the patches that are others than before.

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
+#include "transect/cpp/skeleton/content.h"
 #include "transect/cpp/skeleton/gauge.h"
 #include "transect/cpp/skeleton/heights.h"
 #include "transect/cpp/skeleton/surface.h"
@@ -105,11 +108,14 @@ struct Skeleton::Parts {
   std::unique_ptr<LinePoints> line_points;
   std::unique_ptr<Patches> patches;
   unsigned bits;
+  // A power of two at or below the largest coordinate. What is rounded can be remembered while
+  // this stays, though the box does not.
   double size = 0;
 
   Parts(const Input& input, unsigned bits) : scene(planes(input, bits)), bits(bits) {
     read_sections(input, scene);
     for (double number : input.bounds) size = std::max(size, std::abs(number));
+    size = std::exp2(std::ilogb(size));
     const Index first_cut = static_cast<Index>(scene.points.size());
     cut_pieces(scene);
     reconcile(scene, input.tolerance, first_cut);
@@ -118,6 +124,8 @@ struct Skeleton::Parts {
     line_points = std::make_unique<LinePoints>(scene);
     patches = std::make_unique<Patches>(scene, cells);
   }
+
+  Content content(Index cell) const { return {scene, *patches, *line_points, cell}; }
 
   bool scales_suffice() const {
     const auto is_partial = [](const Section& section) { return section.partial; };
@@ -198,12 +206,30 @@ rust::Vec<ContradictionOutput> Skeleton::contradictions() const {
   return out;
 }
 
+CellKey Skeleton::key(std::uint32_t cell, bool exact, std::uint32_t most_pieces) const {
+  CellKey out;
+  const Content content = parts_->content(cell);
+  if (!content.labels_differ()) return out;
+  const std::vector<std::uint64_t> words = content.words(parts_->scene);
+  out.words.reserve(words.size() + 4);
+  out.words.push_back(parts_->bits);  // with their normals they make the scales of planes
+  out.words.push_back(std::ilogb(parts_->size));
+  out.words.push_back(exact);
+  out.words.push_back(content.outline_size() > most_pieces);
+  std::copy(words.begin(), words.end(), std::back_inserter(out.words));
+  for (Index point : content.points) out.points.push_back(point);
+  for (Index plane : content.planes()) out.planes.push_back(plane);
+  return out;
+}
+
 CellOutput Skeleton::surface(std::uint32_t cell, bool exact, std::uint32_t most_pieces,
                              const Watcher& watcher) const {
-  const CellSurface made = skeleton::surface(
-      {parts_->scene, parts_->cells, *parts_->line_points, *parts_->patches, most_pieces}, cell,
-      [&](double part) { watcher.reach(part); });
   CellOutput out;
+  const Content content = parts_->content(cell);
+  out.is_left_out = content.outline_size() > most_pieces;
+  if (out.is_left_out) return out;
+  const CellSurface made =
+      skeleton::surface(parts_->scene, content, [&](double part) { watcher.reach(part); });
   out.is_left_out = made.is_left_out;
   out.inexact_parts = static_cast<std::uint32_t>(made.inexact.leaves);
   out.inexact_volume = made.inexact.volume;

@@ -11,6 +11,7 @@
 namespace transect::skeleton {
 
 struct Input;
+struct CellKey;
 struct CellOutput;
 struct ContradictionOutput;
 struct Watcher;
@@ -27,6 +28,7 @@ class Skeleton {
   rust::Vec<rust::String> exact_points() const;
   rust::Vec<std::uint32_t> contours() const;
   rust::Vec<ContradictionOutput> contradictions() const;
+  CellKey key(std::uint32_t cell, bool exact, std::uint32_t most_pieces) const;
   CellOutput surface(std::uint32_t cell, bool exact, std::uint32_t most_pieces,
                      const Watcher& watcher) const;
 

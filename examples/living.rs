@@ -1,8 +1,8 @@
 //! Sections that come one by one: after each of them the surface is there. Says what every
-//! stage takes, how much is evaluated or solved for, and how many patches of the surface
+//! stage takes, how much is evaluated, solved for or computed, and how many patches of the surface
 //! change; last what all sections at once take.
 //!
-//! `cargo run --release --example living -- [FILE [VOXELS [mvc|variational]]]`
+//! `cargo run --release --example living -- [FILE [VOXELS [mvc|variational|skeleton]]]`
 
 use std::path::Path;
 
@@ -10,9 +10,11 @@ use transect::grid::lattice::Resolution;
 use transect::io::read_sections;
 use transect::{
     Change, Context, Error, MeanValue, Method, Model, Options, Patches, Result, Rules, Sections,
+    Skeleton,
 };
 
-const STAGES: [&str; 5] = ["arrangement", "completion", "field", "smoothing", "mesh"];
+const STAGES: [&str; 6] = ["arrangement", "completion", "field", "smoothing", "skeleton", "mesh"];
+const COUNTS: [&str; 3] = ["evaluations", "unknowns", "cells computed"];
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -20,6 +22,7 @@ fn main() -> Result<()> {
     let voxels = arguments.get(1).and_then(|word| word.parse().ok()).unwrap_or(256);
     let method = match arguments.get(2).map(String::as_str) {
         Some("mvc") => Method::MeanValue(MeanValue::default()),
+        Some("skeleton") => Method::Skeleton(Skeleton::default()),
         _ => Method::default(),
     };
     let rules = Rules::default();
@@ -30,7 +33,8 @@ fn main() -> Result<()> {
     let (mut model, mut patches) = (Model::new(options), Patches::default());
     print!("{:<24}", "seconds");
     STAGES.iter().for_each(|stage| print!("{stage:>12}"));
-    println!("{:>12}{:>12}{:>12}{:>12}", "evaluations", "unknowns", "changed", "patches");
+    COUNTS.iter().for_each(|what| print!("{what:>16}"));
+    println!("{:>12}{:>12}", "changed", "patches");
     for section in &all.sections {
         let one = Sections { sections: vec![section.clone()], ..all.clone() };
         add(&mut model, section.name(), one, &mut patches);
@@ -50,7 +54,6 @@ fn add(model: &mut Model, name: &str, sections: Sections, patches: &mut Patches)
     let changes = patches.follow(&derived.mesh, derived.samples.lattice);
     print!("{name:<24}");
     STAGES.iter().for_each(|stage| print!("{:>12.4}", context.stages.seconds_of(stage)));
-    let counts = ["evaluations", "unknowns"].map(|what| context.stages.count_of(what));
-    counts.iter().for_each(|count| print!("{count:>12}"));
+    COUNTS.iter().for_each(|what| print!("{:>16}", context.stages.count_of(what)));
     println!("{:>12}{:>12}", changes.changed.len(), patches.iter().count());
 }

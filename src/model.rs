@@ -30,7 +30,7 @@ use crate::plane::{Bounds, Plane};
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::section::{Section, Sections};
-use crate::skeleton::{Details, skeleton};
+use crate::skeleton::{Details, Kept as KeptSurfaces};
 use crate::stage::Stages;
 use crate::variational::smoothing::{KeptSmoothing, smoothed};
 use crate::variational::{Kept, variational};
@@ -95,6 +95,8 @@ struct Lasting {
     fields: Option<Kept>,
     /// The fields that smooth the mean-value field.
     smoothing: Option<KeptSmoothing>,
+    /// Surfaces of the exact reconstruction.
+    surfaces: KeptSurfaces,
 }
 
 /// What follows from the sections.
@@ -355,7 +357,7 @@ fn derive(
     match &options.method {
         Method::Variational(method) => ground.solve(method, &mut lasting.fields, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
-        Method::Skeleton(method) => ground.build(method, stages, progress),
+        Method::Skeleton(method) => ground.build(method, &mut lasting.surfaces, stages, progress),
     }
 }
 
@@ -487,13 +489,15 @@ impl Ground<'_> {
     fn build(
         &self,
         method: &Skeleton,
+        surfaces: &mut KeptSurfaces,
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
         let Self { sections, bounds, lattice, .. } = self;
         let mut made = stages.run("skeleton", |counts| {
-            let made = skeleton(sections, *bounds, &method.exactness, progress)?;
+            let made = surfaces.follow(sections, *bounds, &method.exactness, progress)?;
             counts.insert("cells".into(), made.details.cells.into());
+            counts.insert("cells computed".into(), surfaces.computed().into());
             counts.insert("vertices".into(), made.mesh.vertices.len() as u64);
             counts.insert("triangles".into(), made.mesh.triangles.len() as u64);
             Ok(made)

@@ -158,11 +158,28 @@ void unite_points(Scene& scene, Cells& cells) {
   }
 }
 
+// Orders facets and corners by what they are and not by how they came to be, which hangs on
+// planes that are elsewhere.
+void arrange(const Scene& scene, Cells& cells) {
+  for (Facet& facet : cells.facets) {
+    const auto first =
+        std::min_element(facet.corners.begin(), facet.corners.end(), [&](Index a, Index b) {
+          return a != b && CGAL::compare_xyz(scene.points[a], scene.points[b]) == CGAL::SMALLER;
+        });
+    std::rotate(facet.corners.begin(), first, facet.corners.end());
+  }
+  for (Cell& cell : cells.cells) {
+    std::sort(cell.facets.begin(), cell.facets.end(),
+              [&](Index a, Index b) { return cells.facets[a].plane < cells.facets[b].plane; });
+  }
+}
+
 }  // namespace
 
 Cells make_cells(Scene& scene) {
   Cells cells = Translator(scene).cells();
   unite_points(scene, cells);
+  arrange(scene, cells);
   place_pieces(scene, cells);
   place_labels(scene, cells);
   return cells;

@@ -12,15 +12,15 @@ namespace transect::skeleton {
 // A part of a plane that no other full section cuts.
 struct Facet {
   Index plane;
-  std::vector<Index> corners;  // counter-clockwise about the plane's normal
+  std::vector<Index> corners;  // counter-clockwise about the plane's normal, the least first
   Index front, behind;         // the cells; `none` beyond the box
   std::vector<Piece> pieces;   // not those along its edges
   Label label;                 // everywhere, when there is no piece
 };
 
 struct Cell {
-  Sides sides;  // of every plane that bounds cells; 0 for the others
-  std::vector<Index> facets;
+  Sides sides;                // of every plane that bounds cells; 0 for the others
+  std::vector<Index> facets;  // in the order of their planes
 };
 
 struct Cells {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <gmpxx.h>
 
 #include <cstdint>
 #include <vector>
@@ -43,6 +44,16 @@ struct Piece {
   Index from, to;
   Label left, right;
 };
+
+// The kernel's integers are GMP's, by one name or another.
+template <class T>
+auto gmp(const T& integer) -> decltype(mpz_srcptr(integer.backend().data())) {
+  return integer.backend().data();
+}
+template <class T>
+auto gmp(const T& integer) -> decltype(mpz_srcptr(integer.mpz())) {
+  return integer.mpz();
+}
 
 enum class Kind : std::uint8_t { roof, wall };
 

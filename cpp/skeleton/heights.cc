@@ -1,27 +1,22 @@
 #include "transect/cpp/skeleton/heights.h"
 
-#include <map>
+#include <set>
+#include <utility>
 
 namespace transect::skeleton {
 namespace {
 
-std::vector<Site> sites_of(const Scene& scene, const Cells& cells, Index cell) {
-  std::vector<Site> sites;
-  for (Index index : cells.cells[cell].facets) {
-    const Facet& facet = cells.facets[index];
-    const Plane& plane = scene.planes[facet.plane];
-    const int side = facet.front == cell ? 1 : -1;
-    const Vector inward = Number(side) * plane.normal;
-    const Vector rise = inward / (plane.scale * plane.normal.squared_length());
-    sites.push_back({facet.plane, side, &facet, inward, rise});
-  }
-  return sites;
+Site site_of(const Scene& scene, const CellPlane& wall) {
+  const Plane& plane = scene.planes[wall.plane];
+  const Vector inward = Number(wall.side) * plane.normal;
+  const Vector rise = inward / (plane.scale * plane.normal.squared_length());
+  return {wall.plane, wall.side, &wall, inward, rise};
 }
 
 }  // namespace
 
-Heights::Heights(const Scene& scene, const Cells& cells, Index cell)
-    : scene_(scene), sites_(sites_of(scene, cells, cell)) {
+Heights::Heights(const Scene& scene, const Content& content) : scene_(scene), content_(content) {
+  for (const CellPlane& wall : content.cell.walls) sites_.push_back(site_of(scene, wall));
   for (const Site& own : sites_) {
     factors_.emplace_back();
     for (const Site& other : sites_) {
@@ -36,35 +31,28 @@ Number Heights::operator()(Index own, Index other, const Point& foot) const {
 }
 
 Number Heights::over(Index own, Index other, Index point) const {
-  if (scene_.points.side(point, sites_[other].plane) == 0) return Number(0);
-  return (*this)(own, other, scene_.points[point]);
+  return is_on(other, point) ? Number(0) : (*this)(own, other, this->point(point));
 }
 
 Point Heights::foot(Index own, const Point& point) const {
   return point - distance(own, point) * sites_[own].rise;
 }
 
-bool Heights::labels_differ() const {
-  for (const Site& site : sites_) {
-    if (!site.is_uniform() || site.facet->label != sites_.front().facet->label) return true;
-  }
-  return false;
-}
-
 bool scales_suffice(const Scene& scene, const Cells& cells) {
-  std::map<std::pair<std::pair<Index, int>, std::pair<Index, int>>, bool> known;
+  using Side = std::pair<Index, int>;
+  std::set<std::pair<Side, Side>> known;
   for (Index cell = 0; cell < cells.cells.size(); ++cell) {
-    const std::vector<Site> sites = sites_of(scene, cells, cell);
-    for (const Site& own : sites) {
-      for (const Site& other : sites) {
-        if (&own == &other) continue;
-        const auto [found, is_new] =
-            known.insert({{{own.plane, own.side}, {other.plane, other.side}}, true});
-        if (!is_new) continue;
-        const Plane &a = scene.planes[own.plane], &b = scene.planes[other.plane];
-        if (a.scale * a.normal.squared_length() <= b.scale * (own.inward * other.inward)) {
-          return false;
-        }
+    std::vector<Side> sides;
+    for (Index index : cells.cells[cell].facets) {
+      const Facet& facet = cells.facets[index];
+      sides.push_back({facet.plane, facet.front == cell ? 1 : -1});
+    }
+    for (const Side& own : sides) {
+      for (const Side& other : sides) {
+        if (own == other || !known.insert({own, other}).second) continue;
+        const Plane &a = scene.planes[own.first], &b = scene.planes[other.first];
+        const Number product = Number(own.second * other.second) * (a.normal * b.normal);
+        if (a.scale * a.normal.squared_length() <= b.scale * product) return false;
       }
     }
   }

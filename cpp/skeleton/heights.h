@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "transect/cpp/skeleton/cells.h"
+#include "transect/cpp/skeleton/content.h"
 
 namespace transect::skeleton {
 
@@ -17,7 +17,7 @@ namespace transect::skeleton {
 struct Site {
   Index plane;
   int side;  // +1 when the plane's normal points into the cell
-  const Facet* facet;
+  const CellPlane* facet;
   Vector inward;
   Vector rise;
 
@@ -26,17 +26,23 @@ struct Site {
 
 class Heights {
  public:
-  Heights(const Scene& scene, const Cells& cells, Index cell);
+  Heights(const Scene& scene, const Content& content);
 
   const Scene& scene() const { return scene_; }
+  const Content& content() const { return content_; }
   const std::vector<Site>& sites() const { return sites_; }
   Index count() const { return static_cast<Index>(sites_.size()); }
 
   // Of the roof between `own` and `other`, over a point of `own`.
   Number operator()(Index own, Index other, const Point& foot) const;
 
-  // The same for a point of the scene, which is on the planes that it is on.
+  // The same for a point of the content, which is on the planes that it is on.
   Number over(Index own, Index other, Index point) const;
+
+  bool is_on(Index site, Index point) const {
+    return scene_.points.side(content_.points[point], sites_[site].plane) == 0;
+  }
+  const Point& point(Index point) const { return scene_.points[content_.points[point]]; }
 
   Point lifted(Index own, const Point& foot, const Number& height) const {
     return foot + height * sites_[own].rise;
@@ -45,15 +51,13 @@ class Heights {
   // The foot on a wall of any point.
   Point foot(Index own, const Point& point) const;
 
-  // Whether there are two labels in the cell.
-  bool labels_differ() const;
-
  private:
   Number distance(Index site, const Point& point) const {
     return Number(sites_[site].side) * scene_.planes[sites_[site].plane].distance(point);
   }
 
   const Scene& scene_;
+  const Content& content_;
   std::vector<Site> sites_;
   std::vector<std::vector<Number>> factors_;  // 1 / (1 − c)
 };

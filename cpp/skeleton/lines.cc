@@ -190,12 +190,8 @@ bool is_uncut(const Scene& scene, const Piece& piece) {
   return true;
 }
 
-// Whether two pieces of a plane meet elsewhere than in a common end.
+// Whether two pieces of a plane, whose boxes overlap, meet elsewhere than in a common end.
 bool collide(const Scene& scene, const Piece& a, const Piece& b, const View& view) {
-  const auto box = [&](const Piece& piece) {
-    return scene.points[piece.from].bbox() + scene.points[piece.to].bbox();
-  };
-  if (!CGAL::do_overlap(box(a), box(b))) return false;
   const auto segment = [&](const Piece& piece) {
     return Kernel::Segment_2(view(scene.points[piece.from]), view(scene.points[piece.to]));
   };
@@ -213,13 +209,19 @@ bool take_back(const Scene& scene, Index own, Moves& moves) {
   const View view(scene.planes[own].normal);
   const auto& pieces = scene.sections[own].pieces;
   std::vector<Piece> after;
-  for (const Piece& piece : pieces) after.push_back(moved(moves, piece));
+  std::vector<CGAL::Bbox_3> boxes;
+  for (const Piece& piece : pieces) {
+    after.push_back(moved(moves, piece));
+    const auto& [from, to, left, right] = after.back();
+    boxes.push_back(scene.points[from].bbox() + scene.points[to].bbox());
+  }
   std::vector<Index> wrong;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     if (after[i].from == pieces[i].from && after[i].to == pieces[i].to) continue;
     bool sound = after[i].from != after[i].to && is_uncut(scene, after[i]);
     for (std::size_t j = 0; j < pieces.size() && sound; ++j) {
-      sound = j == i || !collide(scene, after[i], after[j], view);
+      sound = j == i || !CGAL::do_overlap(boxes[i], boxes[j]) ||
+              !collide(scene, after[i], after[j], view);
     }
     if (!sound) wrong.insert(wrong.end(), {pieces[i].from, pieces[i].to});
   }

@@ -187,6 +187,7 @@ class Overlay {
         const Number height = heights_(first, second, roof_.middle);
         foot = heights_.foot(second, heights_.lifted(first, roof_.middle, height));
       }
+      // The whole section is asked, but what is drawn on the wall decides it.
       label = label_at(heights_.scene(), site.plane, foot);
     }
     for (Face face : triangulation_.finite_face_handles()) face->info().labels[owner] = label;

@@ -24,6 +24,7 @@ struct CellPlane {
   Label label;
 };
 
+// What a cell shows. Without partial sections it is none for `partial_surface`.
 struct PartialCell {
   const std::vector<Plane>* planes;
   // Corners of the cell and ends of pieces; equal points have one index.

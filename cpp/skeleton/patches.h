@@ -6,12 +6,10 @@
 
 namespace transect::skeleton {
 
-// Cells that hold known parts of partial sections.
+// What cells show, and known parts of partial sections in them.
 class Patches {
  public:
   Patches(const Scene& scene, const Cells& cells);
-
-  bool in(Index cell) const { return !patches_[cell].empty(); }
 
   // The cell with its own numbers of points, and the scene's number of each.
   PartialCell cell(Index cell, std::vector<Index>& shared) const;

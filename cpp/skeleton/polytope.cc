@@ -73,16 +73,6 @@ Point crossing(const Kernel::Plane_3& plane, const Point& a, const Point& b) {
   return point;
 }
 
-// The kernel's integers are GMP's, by one name or another.
-template <class T>
-auto raw(const T& integer, int) -> decltype(integer.backend().data()) {
-  return integer.backend().data();
-}
-template <class T>
-auto raw(const T& integer, long) -> decltype(integer.mpz()) {
-  return integer.mpz();
-}
-
 // The numerators over a common denominator, which comes last.
 template <std::size_t N>
 std::array<mpz_class, N + 1> common(const std::array<Number, N>& numbers) {
@@ -92,8 +82,8 @@ std::array<mpz_class, N + 1> common(const std::array<Number, N>& numbers) {
   for (std::size_t i = 0; i < N; ++i) {
     Integer numerator, denominator;
     Parts::Decompose()(CGAL::exact(numbers[i]), numerator, denominator);
-    result[i] = mpz_class(raw(numerator, 0));
-    below[i] = mpz_class(raw(denominator, 0));
+    result[i] = mpz_class(gmp(numerator));
+    below[i] = mpz_class(gmp(denominator));
     result[N] = lcm(result[N], below[i]);
   }
   for (std::size_t i = 0; i < N; ++i) result[i] *= result[N] / below[i];

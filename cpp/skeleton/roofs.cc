@@ -35,8 +35,7 @@ using Outline = std::vector<Corner>;
 
 class Maker {
  public:
-  Maker(const Heights& heights, const LinePoints& line_points, CellPoints& points)
-      : heights_(heights), line_points_(line_points), points_(points) {}
+  Maker(const Heights& heights, CellPoints& points) : heights_(heights), points_(points) {}
 
   Roofs make() {
     find_edges();
@@ -80,7 +79,7 @@ class Maker {
         throw std::logic_error("an edge of a cell is not between two walls");
       }
       const Index beyond = found->second[found->second[0] == wall ? 1 : 0];
-      result.push_back({heights_.scene().points[corners[i]], corners[i], beyond});
+      result.push_back({heights_.point(corners[i]), corners[i], beyond});
     }
     return result;
   }
@@ -192,9 +191,9 @@ class Maker {
       if (order != CGAL::LARGER) made.lowest.push_back(other);
     }
     const Number& height = made.heights[made.lowest[0]];
-    const auto& scene = heights_.scene();
-    const bool on_edge = scene.points.side(point, site(made.lowest[0]).plane) == 0;
-    made.lifted = on_edge ? point : points_.add(heights_.lifted(wall, scene.points[point], height));
+    const bool on_edge = heights_.is_on(made.lowest[0], point);
+    made.lifted =
+        on_edge ? point : points_.add(heights_.lifted(wall, heights_.point(point), height));
     if (!on_edge) arrive(wall, made.lowest, made.lifted);
     return made;
   }
@@ -306,9 +305,11 @@ class Maker {
           for (const SideName& name : found->second) place(point, roofs_at[name]);
       }
     }
+    const auto& on_edges = heights_.content().on_edges;
     for (const auto& [name, roofs] : roofs_at) {
-      if (name.second >= points_.base()) continue;  // no edge of the cell
-      for (Index point : line_points_.between(name.first, name.second)) place(point, roofs);
+      const auto found = on_edges.find(name);
+      if (found == on_edges.end()) continue;
+      for (Index point : found->second) place(point, roofs);
     }
   }
 
@@ -327,7 +328,6 @@ class Maker {
   }
 
   const Heights& heights_;
-  const LinePoints& line_points_;
   CellPoints& points_;
   Roofs roofs_;
   std::map<std::pair<Index, Index>, std::vector<Index>> walls_at_;
@@ -339,8 +339,8 @@ class Maker {
 
 }  // namespace
 
-Roofs make_roofs(const Heights& heights, const LinePoints& line_points, CellPoints& points) {
-  return Maker(heights, line_points, points).make();
+Roofs make_roofs(const Heights& heights, CellPoints& points) {
+  return Maker(heights, points).make();
 }
 
 }  // namespace transect::skeleton

@@ -11,11 +11,11 @@
 
 namespace transect::skeleton {
 
-// Points of a cell: those of the scene, and after them its own.
+// Points of a cell: those of its content, and after them what is made.
 class CellPoints {
  public:
-  explicit CellPoints(const Scene& scene)
-      : scene_(scene), base_(static_cast<Index>(scene.points.size())) {}
+  explicit CellPoints(const Heights& heights)
+      : heights_(heights), base_(static_cast<Index>(heights.content().points.size())) {}
 
   Index add(const Point& point) {
     added_.push_back(point);
@@ -24,7 +24,7 @@ class CellPoints {
   }
 
   const Point& operator[](Index point) const {
-    return point < base_ ? scene_.points[point] : added_[point - base_];
+    return point < base_ ? heights_.point(point) : added_[point - base_];
   }
 
   // The first of the indices of one point.
@@ -39,7 +39,7 @@ class CellPoints {
   Index base() const { return base_; }
 
  private:
-  const Scene& scene_;
+  const Heights& heights_;
   Index base_;
   std::vector<Point> added_;
   std::vector<Index> parents_;
@@ -84,6 +84,6 @@ struct Roofs {
 
 // Roofs between walls that do not both show one and the same label, and the
 // contours on them.
-Roofs make_roofs(const Heights& heights, const LinePoints& line_points, CellPoints& points);
+Roofs make_roofs(const Heights& heights, CellPoints& points);
 
 }  // namespace transect::skeleton

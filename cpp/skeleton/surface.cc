@@ -13,11 +13,10 @@
 namespace transect::skeleton {
 namespace {
 
-CellSurface between_full_sections(const Prepared& prepared, Index cell) {
-  const Heights heights(prepared.scene, prepared.cells, cell);
-  if (!heights.labels_differ()) return {};
-  CellPoints points(prepared.scene);
-  Roofs roofs = make_roofs(heights, prepared.line_points, points);
+CellSurface between_full_sections(const Scene& scene, const Content& content) {
+  const Heights heights(scene, content);
+  CellPoints points(heights);
+  Roofs roofs = make_roofs(heights, points);
   CellSurface result;
   for (Roof& roof : roofs.roofs) {
     const auto triangles = overlay(heights, roof, points);
@@ -31,31 +30,6 @@ CellSurface between_full_sections(const Prepared& prepared, Index cell) {
   }
   result.added = points.added();
   return result;
-}
-
-bool labels_differ(const PartialCell& cell) {
-  const Label first = cell.walls.front().label;
-  const auto differs = [&](const CellPlane& plane) {
-    for (const Piece& piece : plane.pieces) {
-      for (Label label : {piece.left, piece.right}) {
-        if (label != first && label != unknown) return true;
-      }
-    }
-    return plane.pieces.empty() && plane.label != first;
-  };
-  return std::any_of(cell.walls.begin(), cell.walls.end(), differs) ||
-         std::any_of(cell.patches.begin(), cell.patches.end(), differs);
-}
-
-// The pieces between known and unknown.
-std::size_t outline_size(const PartialCell& cell) {
-  std::size_t size = 0;
-  for (const CellPlane& patch : cell.patches) {
-    size += std::count_if(patch.pieces.begin(), patch.pieces.end(), [](const Piece& piece) {
-      return piece.left == unknown || piece.right == unknown;
-    });
-  }
-  return size;
 }
 
 // Whether every label's boundary is closed but for edges on the cell's walls, where
@@ -89,25 +63,16 @@ bool is_closed(const PartialCell& cell, const PartialSurface& made) {
   });
 }
 
-CellSurface among_partial_sections(const Prepared& prepared, Index index, const Watch& watch) {
-  std::vector<Index> shared;
-  const PartialCell cell = prepared.patches.cell(index, shared);
+CellSurface among_partial_sections(const Content& content, const Watch& watch) {
   CellSurface result;
-  if (!labels_differ(cell)) return result;
-  if (outline_size(cell) > prepared.most_pieces) {
+  PartialSurface made = partial_surface(content.cell, watch);
+  if (!is_closed(content.cell, made)) {
     result.is_left_out = true;
     return result;
   }
-  PartialSurface made = partial_surface(cell, watch);
-  if (!is_closed(cell, made)) {
-    result.is_left_out = true;
-    return result;
-  }
-  const Index base = static_cast<Index>(prepared.scene.points.size());
-  const auto number = [&](Index point) {
-    const Index own = static_cast<Index>(shared.size());
-    return point < own ? shared[point] : base + (point - own);
-  };
+  const Index own = static_cast<Index>(content.cell.points.size());
+  const Index base = static_cast<Index>(content.points.size());
+  const auto number = [&](Index point) { return point < own ? point : base + (point - own); };
   result.inexact = made.inexact;
   result.added = std::move(made.added);
   result.triangles = std::move(made.triangles);
@@ -121,15 +86,9 @@ CellSurface among_partial_sections(const Prepared& prepared, Index index, const 
     split.insert(std::minmax(number(from), number(to)));
   }
   // Other cells around an edge have points on it of contours that this one does not see.
-  for (const Index facet : prepared.cells.cells[index].facets) {
-    const std::vector<Index>& corners = prepared.cells.facets[facet].corners;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Index from = corners[i], to = corners[(i + 1) % corners.size()];
-      if (split.count(std::minmax(from, to)) == 0) continue;
-      for (const Index point : prepared.line_points.between(from, to)) {
-        result.splits.push_back({from, to, point});
-      }
-    }
+  for (const auto& [ends, on_edge] : content.on_edges) {
+    if (split.count(ends) == 0) continue;
+    for (const Index point : on_edge) result.splits.push_back({ends.first, ends.second, point});
   }
   return result;
 }
@@ -164,12 +123,23 @@ void arrange(CellSurface& made, Index shared) {
       });
 }
 
+// Planes by their numbers in the content.
+void renumber_planes(CellSurface& made, const Content& content) {
+  const std::vector<Index> planes = content.planes();
+  for (Triangle& triangle : made.triangles) {
+    for (Index& plane : triangle.planes) {
+      plane = static_cast<Index>(std::find(planes.begin(), planes.end(), plane) - planes.begin());
+    }
+  }
+}
+
 }  // namespace
 
-CellSurface surface(const Prepared& prepared, Index cell, const Watch& watch) {
-  CellSurface made = prepared.patches.in(cell) ? among_partial_sections(prepared, cell, watch)
-                                               : between_full_sections(prepared, cell);
-  arrange(made, static_cast<Index>(prepared.scene.points.size()));
+CellSurface surface(const Scene& scene, const Content& content, const Watch& watch) {
+  CellSurface made = content.has_patches() ? among_partial_sections(content, watch)
+                                           : between_full_sections(scene, content);
+  renumber_planes(made, content);
+  arrange(made, static_cast<Index>(content.points.size()));
   return made;
 }
 

@@ -1,7 +1,7 @@
 // The surfaces in one cell.
 #pragma once
 
-#include "transect/cpp/skeleton/patches.h"
+#include "transect/cpp/skeleton/content.h"
 
 namespace transect::skeleton {
 
@@ -11,7 +11,7 @@ struct Split {
 };
 
 struct CellSurface {
-  std::vector<Point> added;  // the points that follow the scene's
+  std::vector<Point> added;  // the points that follow the content's
   std::vector<Triangle> triangles;
   std::vector<Split> splits;
   // There are too many partial sections to partition the cell, or its partition came
@@ -20,17 +20,8 @@ struct CellSurface {
   PartialSurface::Inexact inexact;
 };
 
-// What does not change while cells are worked on.
-struct Prepared {
-  const Scene& scene;
-  const Cells& cells;
-  const LinePoints& line_points;
-  const Patches& patches;
-  // A cell with more pieces between known and unknown has no surface.
-  std::size_t most_pieces;
-};
-
-// Whoever watches is told little of cells between full sections alone: they are done soon.
-CellSurface surface(const Prepared& prepared, Index cell, const Watch& watch);
+// In the content's numbers of points and planes. Whoever watches is told little of cells
+// between full sections alone: they are done soon.
+CellSurface surface(const Scene& scene, const Content& content, const Watch& watch);
 
 }  // namespace transect::skeleton

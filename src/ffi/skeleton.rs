@@ -35,10 +35,22 @@ mod bridge {
         bits: u32,
     }
 
-    /// The surfaces in one cell.
+    /// What a cell's surfaces follow from, and what the scene has it as.
+    #[derive(Debug, Default)]
+    struct CellKey {
+        /// Cells with the same words, of whatever scene, have the same surfaces. None where
+        /// there is one label alone, and so no surface.
+        words: Vec<u64>,
+        /// The cell's points by their shared numbers.
+        points: Vec<u32>,
+        /// The planes of its walls and partial sections; those of the box follow the sections'.
+        planes: Vec<u32>,
+    }
+
+    /// The surfaces in one cell, by the numbers that its key gives to points and planes.
     #[derive(Debug, Default)]
     struct CellOutput {
-        /// Points that follow the shared ones, rounded.
+        /// Points that follow the key's, rounded.
         points: Vec<f64>,
         /// The same as fractions, when asked for.
         exact: Vec<String>,
@@ -48,7 +60,7 @@ mod bridge {
         labels: Vec<u32>,
         /// 1 for walls, 0 for roofs.
         walls: Vec<u8>,
-        /// Two planes a triangle; those of the box follow the sections'.
+        /// Two planes a triangle.
         planes: Vec<u32>,
         /// Ends of a contour's piece and a point between them that triangles
         /// here have, and those in the cell beyond may not.
@@ -105,8 +117,10 @@ mod bridge {
         fn contours(self: &Skeleton) -> Vec<u32>;
         /// Where sections contradict each other.
         fn contradictions(self: &Skeleton) -> Result<Vec<ContradictionOutput>>;
-        /// The surfaces in a cell, unless it has more pieces between known and unknown
-        /// than `most_pieces`. Several threads may ask at once.
+        /// What the surfaces in a cell follow from. It has none where there are more pieces
+        /// between known and unknown than `most_pieces`. Several threads may ask at once.
+        fn key(self: &Skeleton, cell: u32, exact: bool, most_pieces: u32) -> Result<CellKey>;
+        /// The surfaces in a cell whose key is not empty. Several threads may ask at once.
         fn surface(
             self: &Skeleton,
             cell: u32,

@@ -13,16 +13,17 @@
 
 mod closed;
 mod input;
+mod kept;
 mod merge;
 mod splits;
 mod tied;
 
+use cxx::UniquePtr;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
-use crate::ffi::skeleton::{self as ffi, CellOutput, ContradictionOutput, Watcher};
+use crate::ffi::skeleton::{self as ffi, CellOutput, ContradictionOutput};
 use crate::grid::memory::available_memory;
 use crate::label::Label;
 use crate::mesh::Mesh;
@@ -30,7 +31,10 @@ use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::Section;
 
+use kept::Cell;
 use splits::Split;
+
+pub use kept::Kept;
 
 /// How far apart two sections' changes of label on their common line may be to
 /// be taken for one, relative to the box's diagonal: what rounding in files
@@ -170,30 +174,42 @@ pub fn skeleton(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Skeleton> {
+    Kept::default().follow(sections, bounds, options, progress)
+}
+
+/// Cuts and reconciles sections, and makes the cells between them.
+fn prepare(
+    sections: &[Section],
+    bounds: Bounds,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<UniquePtr<ffi::Skeleton>> {
     progress.begin("cells", 0);
-    let failed = |exception: cxx::Exception| Error::library("skeleton", &exception);
     let tolerance = TOLERANCE * bounds.diagonal();
     let input = input::input(sections, bounds, tolerance, options.bits);
-    let prepared = ffi::prepare(&input).map_err(failed)?;
-    progress.begin("skeleton", u64::from(prepared.cells()) * Watcher::STEPS);
-    let most_pieces = most_pieces(prepared.cells());
-    let outputs = (0..prepared.cells())
-        .into_par_iter()
-        .map(|cell| {
-            progress.go_on()?;
-            let watcher = Watcher::new(progress);
-            let output =
-                prepared.surface(cell, options.exact, most_pieces, &watcher).map_err(failed);
-            watcher.reach(1.0);
-            output
-        })
-        .collect::<Result<Vec<CellOutput>>>()?;
+    ffi::prepare(&input).map_err(failed)
+}
+
+fn failed(exception: cxx::Exception) -> Error {
+    Error::library("skeleton", &exception)
+}
+
+/// Joins the surfaces of all cells.
+fn join(
+    prepared: &ffi::Skeleton,
+    cells: &[Option<Cell>],
+    sections: &[Section],
+    bounds: Bounds,
+    options: &Options,
+) -> Result<Skeleton> {
     let mut joined = Joined::new(prepared.points().map_err(failed)?, sections.len() as u32);
     if options.exact {
         joined.exact = Some(prepared.exact_points().map_err(failed)?);
     }
-    for (cell, output) in outputs.into_iter().enumerate() {
-        joined.add(cell as u32, output);
+    for (number, cell) in cells.iter().enumerate() {
+        if let Some(cell) = cell {
+            joined.add(number as u32, cell);
+        }
     }
     let contradictions = prepared.contradictions().map_err(failed)?;
     let mut made = joined.into_skeleton(prepared.contours());
@@ -246,7 +262,6 @@ fn untie(skeleton: &mut Skeleton) -> bool {
 /// The surfaces of all cells with the points they share.
 struct Joined {
     points: Vec<f64>,
-    shared: u32,
     exact: Option<Vec<String>>,
     corners: Vec<u32>,
     sides: Vec<[Label; 2]>,
@@ -259,37 +274,38 @@ struct Joined {
 
 impl Joined {
     fn new(points: Vec<f64>, sections: u32) -> Self {
-        let shared = points.len() as u32 / 3;
         let (corners, sides, origins, splits, inexact) = Default::default();
         let (exact, left_out) = Default::default();
-        Self { points, shared, exact, corners, sides, origins, splits, inexact, left_out, sections }
+        Self { points, exact, corners, sides, origins, splits, inexact, left_out, sections }
     }
 
-    fn add(&mut self, cell: u32, output: CellOutput) {
-        let offset = self.points.len() as u32 / 3 - self.shared;
-        let number = |corner: u32| if corner < self.shared { corner } else { corner + offset };
-        self.corners.extend(output.corners.iter().map(|&corner| number(corner)));
-        let splits = output.splits.chunks_exact(3);
-        self.splits.extend(splits.map(|split| [split[0], split[1], split[2]].map(number)));
-        if output.is_left_out {
-            self.left_out.push(cell);
+    fn add(&mut self, number: u32, cell: &Cell) {
+        let Cell { points, planes, surface, .. } = cell;
+        let base = self.points.len() as u32 / 3;
+        let own = points.len() as u32;
+        let point = |point: u32| points.get(point as usize).copied().unwrap_or(base + point - own);
+        self.corners.extend(surface.corners.iter().map(|&corner| point(corner)));
+        let splits = surface.splits.as_chunks::<3>().0;
+        self.splits.extend(splits.iter().map(|split| split.map(point)));
+        if surface.is_left_out {
+            self.left_out.push(number);
         }
-        if let [x, y, z] = output.inexact_at[..] {
-            let CellOutput { inexact_parts: parts, inexact_volume: volume, .. } = output;
-            self.inexact.push(Inexact { cell, parts, volume, at: [x, y, z] });
+        if let [x, y, z] = surface.inexact_at[..] {
+            let CellOutput { inexact_parts: parts, inexact_volume: volume, .. } = **surface;
+            self.inexact.push(Inexact { cell: number, parts, volume, at: [x, y, z] });
         }
-        self.points.extend(output.points);
+        self.points.extend(&surface.points);
         if let Some(exact) = &mut self.exact {
-            exact.extend(output.exact);
+            exact.extend_from_slice(&surface.exact);
         }
-        let labels = output.labels.chunks_exact(2);
-        self.sides.extend(labels.map(|pair| [Label(pair[0]), Label(pair[1])]));
-        let section = |plane: u32| (plane < self.sections).then_some(plane);
-        let planes = output.planes.chunks_exact(2);
-        self.origins.extend(output.walls.iter().zip(planes).map(|(&wall, planes)| Origin {
+        let labels = surface.labels.as_chunks::<2>().0;
+        self.sides.extend(labels.iter().map(|pair| pair.map(Label)));
+        let section = |plane: u32| Some(planes[plane as usize]).filter(|&own| own < self.sections);
+        let between = surface.planes.as_chunks::<2>().0;
+        self.origins.extend(surface.walls.iter().zip(between).map(|(&wall, planes)| Origin {
             kind: if wall == 1 { Kind::Wall } else { Kind::Roof },
-            sections: [section(planes[0]), section(planes[1])],
-            cell,
+            sections: planes.map(section),
+            cell: number,
         }));
     }
 
