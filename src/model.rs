@@ -22,7 +22,7 @@ use crate::label::Label;
 use crate::living::Living;
 use crate::mesh::Mesh;
 use crate::mesh::delaunay::delaunay;
-use crate::mesh::dual::dual;
+use crate::mesh::dual::{KeptBlocks, dual_again};
 use crate::mesh::fairing::{FairingOptions, fair};
 use crate::method::{Caps, Fairing, MeanValue, Mesher, Method, Skeleton, Variational};
 use crate::oracle::Oracle;
@@ -112,6 +112,8 @@ pub struct Derived {
     pub device: String,
     /// What else an exact reconstruction says.
     pub exact: Option<Details>,
+    /// The mesh leaf by leaf, for the next one.
+    blocks: KeptBlocks,
 }
 
 impl Model {
@@ -219,8 +221,9 @@ impl Model {
         let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
         // What may well be the only change leaves nothing behind that takes time and memory.
         let keeps = self.options.bounds.is_some() || self.derived.is_some();
+        let before = self.derived.as_ref();
         let derive =
-            |sections| derive(sections, &self.options, (keeps, lasting), stages, *progress);
+            |sections| derive(sections, &self.options, (keeps, lasting), before, stages, *progress);
         let derived = sections.as_ref().map(derive).transpose()?;
         keep()?;
         self.derived = derived;
@@ -337,6 +340,8 @@ struct Ground<'a> {
     lattice: Lattice,
     /// Whether what is derived is to be kept for the next change.
     keeps: bool,
+    /// What was derived from the sections as they were.
+    before: Option<&'a Derived>,
 }
 
 /// The whole way from sections to the mesh.
@@ -344,6 +349,7 @@ fn derive(
     sections: &Sections,
     options: &Options,
     (keeps, lasting): (bool, &mut Lasting),
+    before: Option<&Derived>,
     stages: &mut Stages,
     progress: &dyn Progress,
 ) -> Result<Derived> {
@@ -353,7 +359,7 @@ fn derive(
     };
     let lattice = Lattice::new(bounds, options.resolution)?;
     require_memory(&lattice, &sections.sections, sections.materials.len())?;
-    let ground = Ground { sections: &sections.sections, bounds, lattice, keeps };
+    let ground = Ground { sections: &sections.sections, bounds, lattice, keeps, before };
     match &options.method {
         Method::Variational(method) => ground.solve(method, &mut lasting.fields, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
@@ -370,7 +376,7 @@ impl Ground<'_> {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
-        let Self { sections, bounds, lattice, keeps } = self;
+        let Self { sections, bounds, lattice, keeps, .. } = self;
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let (mut samples, device) = stages.run("field", |counts| {
             let solved = variational(
@@ -388,8 +394,8 @@ impl Ground<'_> {
             Ok((solved.samples, solved.device))
         })?;
         self.cut(&mut samples, &capping, stages, progress)?;
-        let mesh = mesh(&samples, &method.mesher, stages, progress)?;
-        Ok(Derived { complex: None, samples, mesh, device, exact: None })
+        let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
+        Ok(Derived { complex: None, samples, mesh, device, exact: None, blocks })
     }
 
     /// Evaluates the mean-value field in the cells between the sections.
@@ -457,8 +463,8 @@ impl Ground<'_> {
         })?;
         living.keep(is_known.then_some(kept));
         self.cut(&mut samples, &capping, stages, progress)?;
-        let mesh = mesh(&samples, &method.mesher, stages, progress)?;
-        Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None })
+        let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
+        Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None, blocks })
     }
 
     /// Cuts samples off where the solid ends.
@@ -515,7 +521,7 @@ impl Ground<'_> {
             Ok(samples)
         })?;
         if !is_exact {
-            made.mesh = mesh(&samples, &Mesher::Dual, stages, progress)?;
+            made.mesh = self.mesh(&samples, &Mesher::Dual, stages, progress)?.0;
         } else if let Some(Fairing { edge_length }) = method.fairing {
             let size = bounds.size().max_element();
             let edge_length = edge_length.unwrap_or(FAIR_EDGE * size);
@@ -531,7 +537,35 @@ impl Ground<'_> {
             })?;
         }
         let (device, exact) = ("exact arithmetic".to_owned(), Some(made.details));
-        Ok(Derived { complex: None, samples, mesh: made.mesh, device, exact })
+        let blocks = KeptBlocks::default();
+        Ok(Derived { complex: None, samples, mesh: made.mesh, device, exact, blocks })
+    }
+
+    /// The surface of samples, and what is kept of it.
+    fn mesh(
+        &self,
+        samples: &Samples,
+        mesher: &Mesher,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<(Mesh, KeptBlocks)> {
+        stages.run("mesh", |counts| {
+            progress.go_on()?;
+            let (mesh, blocks) = match mesher {
+                Mesher::Dual => {
+                    let before = self.before.map(|before| (&before.samples, &before.blocks));
+                    // Without blocks everything is to be made anew.
+                    let before = before.filter(|(_, blocks)| !blocks.is_empty());
+                    dual_again(samples, before, progress)?
+                }
+                Mesher::Delaunay(limits) => {
+                    (delaunay(samples, limits, progress)?, KeptBlocks::default())
+                }
+            };
+            counts.insert("vertices".into(), mesh.vertices.len() as u64);
+            counts.insert("triangles".into(), mesh.triangles.len() as u64);
+            Ok((mesh, if self.keeps { blocks } else { KeptBlocks::default() }))
+        })
     }
 }
 
@@ -558,23 +592,4 @@ fn count(complex: &Complex, counts: &mut BTreeMap<String, u64>) {
     counts.insert("planes".into(), complex.planes().count() as u64);
     counts.insert("facets".into(), complex.facets().count() as u64);
     counts.insert("cells".into(), complex.cells().count() as u64);
-}
-
-/// The surface of samples.
-fn mesh(
-    samples: &Samples,
-    mesher: &Mesher,
-    stages: &mut Stages,
-    progress: &dyn Progress,
-) -> Result<Mesh> {
-    stages.run("mesh", |counts| {
-        progress.go_on()?;
-        let mesh = match mesher {
-            Mesher::Dual => dual(samples, progress)?,
-            Mesher::Delaunay(limits) => delaunay(samples, limits, progress)?,
-        };
-        counts.insert("vertices".into(), mesh.vertices.len() as u64);
-        counts.insert("triangles".into(), mesh.triangles.len() as u64);
-        Ok(mesh)
-    })
 }

@@ -62,6 +62,8 @@ mod polygon;
 mod relax;
 mod triangles;
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -81,10 +83,40 @@ use polygon::{Blocks, Pinched, Polygons};
 /// [`Error::Option`] when the mesh would have more points than fit into 32
 /// bits.
 pub fn dual(samples: &Samples, progress: &dyn Progress) -> Result<Mesh> {
+    Ok(dual_again(samples, None, progress)?.0)
+}
+
+/// What is in the leaves of samples, for others of which many leaves are the same.
+#[derive(Clone, Default)]
+pub struct KeptBlocks(Vec<Arc<Block>>);
+
+impl KeptBlocks {
+    /// Whether nothing was kept.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl std::fmt::Debug for KeptBlocks {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("KeptBlocks").field(&self.0.len()).finish()
+    }
+}
+
+/// The same when there were other samples before, whose blocks were kept: those of leaves that
+/// are as they were are taken over. Also returns the blocks of these samples.
+///
+/// # Errors
+/// As [`dual`].
+pub fn dual_again(
+    samples: &Samples,
+    before: Option<(&Samples, &KeptBlocks)>,
+    progress: &dyn Progress,
+) -> Result<(Mesh, KeptBlocks)> {
     let leaves = Leaves::new(samples);
-    let blocks = blocks(&leaves, progress);
+    let blocks = blocks(&leaves, before, progress);
     let (mut points, polygons) = polygons(&leaves, &blocks)?;
-    let lows: Vec<DVec3> = blocks.iter().flat_map(Block::lows_of_points).collect();
+    let lows: Vec<DVec3> = blocks.iter().flat_map(|block| block.lows_of_points()).collect();
     let faces = samples.open.map(|open| BoxFaces::new(open, &samples.lattice));
     let lattice = samples.lattice;
     if let Some(faces) = &faces {
@@ -99,23 +131,34 @@ pub fn dual(samples: &Samples, progress: &dyn Progress) -> Result<Mesh> {
     if let Some(faces) = &faces {
         faces.project(&mut mesh.vertices, &lows, |point| point);
     }
-    Ok(mesh)
+    Ok((mesh, KeptBlocks(blocks)))
 }
 
-fn blocks(leaves: &Leaves, progress: &dyn Progress) -> Vec<Block> {
+fn blocks(
+    leaves: &Leaves,
+    before: Option<(&Samples, &KeptBlocks)>,
+    progress: &dyn Progress,
+) -> Vec<Arc<Block>> {
     progress.begin("mesh", leaves.count() as u64);
+    let same = before.map(|(samples, _)| leaves.same_in(samples)).unwrap_or_default();
+    let kept = before.map(|(_, kept)| &kept.0[..]).unwrap_or_default();
     (0..leaves.count())
         .into_par_iter()
         .filter_map(|place| {
             progress.advance(1);
-            Block::new(leaves, leaves.at(place))
+            let at = leaves.at(place);
+            if leaves.is_patch_same(at, &same) {
+                let number = kept.binary_search_by_key(&at, |block| block.at).ok()?;
+                return Some(Arc::clone(&kept[number]));
+            }
+            Block::new(leaves, at).map(Arc::new)
         })
         .collect()
 }
 
 /// All points in lattice units, the pieces' before the pinches', and the
 /// polygons in the order of the lattice edges.
-fn polygons(leaves: &Leaves, blocks: &[Block]) -> Result<(Vec<DVec3>, Vec<Polygons>)> {
+fn polygons(leaves: &Leaves, blocks: &[Arc<Block>]) -> Result<(Vec<DVec3>, Vec<Polygons>)> {
     let mut block_at = vec![u32::MAX; leaves.count()];
     for (index, block) in blocks.iter().enumerate() {
         if let Some(place) = leaves.place(block.at) {

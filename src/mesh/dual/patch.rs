@@ -59,6 +59,28 @@ impl<'a> Leaves<'a> {
         self.samples.lattice.leaf_dims()
     }
 
+    /// For each leaf of the lattice whether other samples say the same there; nothing where
+    /// they are on another lattice.
+    pub fn same_in(&self, other: &Samples) -> Vec<bool> {
+        let own = self.samples;
+        if (own.lattice, own.open, own.values) != (other.lattice, other.open, other.values) {
+            return Vec::new();
+        }
+        let is_same = |place: usize| match (self.index[place], other.leaf(self.at(place))) {
+            (TILE, None) => own.tiles[place] == other.tiles[place],
+            (TILE, Some(_)) | (_, None) => false,
+            (number, Some(leaf)) => self.leaves[number as usize] == leaf,
+        };
+        (0..self.count()).into_par_iter().map(is_same).collect()
+    }
+
+    /// Whether all that the cells of a leaf touch is the same.
+    pub fn is_patch_same(&self, at: [i32; 3], same: &[bool]) -> bool {
+        // Off the lattice all is outside.
+        !same.is_empty()
+            && patch_leaves(at).all(|leaf| self.place(leaf).is_none_or(|place| same[place]))
+    }
+
     /// The label of a node, by what the samples say.
     pub fn label(&self, node: [i32; 3]) -> Label {
         match self.source(node.map(|along| along.div_euclid(LEAF_SIDE as i32))) {
@@ -86,6 +108,11 @@ enum Source<'a> {
     Tile(Label),
 }
 
+/// A leaf and the seven after it.
+fn patch_leaves(at: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+    (0..8).map(move |corner| [at[0] + corner / 4, at[1] + corner / 2 % 2, at[2] + corner % 2])
+}
+
 /// The 9 × 9 × 9 nodes from a leaf's first on.
 pub struct Patch<'a> {
     lattice: &'a Lattice,
@@ -99,10 +126,9 @@ pub struct Patch<'a> {
 impl<'a> Patch<'a> {
     /// `None` where all nodes are in tiles of one label.
     pub fn gather(leaves: &'a Leaves<'a>, at: [i32; 3]) -> Option<Self> {
-        let sources: [Source; 8] = std::array::from_fn(|corner| {
-            let offset = [corner / 4, corner / 2 % 2, corner % 2];
-            leaves.source(std::array::from_fn(|axis| at[axis] + offset[axis] as i32))
-        });
+        let mut around = patch_leaves(at);
+        let sources: [Source; 8] =
+            std::array::from_fn(|_| leaves.source(around.next().unwrap_or(at)));
         if let Source::Tile(first) = sources[0]
             && sources.iter().all(|source| matches!(source, Source::Tile(label) if *label == first))
         {

@@ -10,6 +10,8 @@
 //!   cell 2 │ cell 3        cell 3 at n − v
 //! ```
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::block::{ActiveCell, Block, CrossedEdge, is_pinched};
@@ -21,7 +23,7 @@ use crate::mesh::back_and_front;
 /// Blocks with the numbers of their points in the mesh.
 pub struct Blocks<'a> {
     /// In the order of their places.
-    pub blocks: &'a [Block],
+    pub blocks: &'a [Arc<Block>],
     /// For every leaf of the lattice the index in `blocks`, or `u32::MAX`.
     pub block_at: &'a [u32],
     /// Leaves along each axis.
@@ -71,7 +73,7 @@ impl<'a> Blocks<'a> {
         let inside = at.iter().zip(self.dims).all(|(&at, side)| (0..side).contains(&at));
         let place = ((at[0] * self.dims[1] + at[1]) * self.dims[2] + at[2]) as usize;
         let found = *self.block_at.get(place).filter(|_| inside)? as usize;
-        self.blocks.get(found).map(|owner| (found, owner, inner))
+        self.blocks.get(found).map(|owner| (found, &**owner, inner))
     }
 
     /// Which of a block's pinches are pinched from the other side as well:
