@@ -118,6 +118,18 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// The planes of its faces: lower and upper x, y, z, their normals pointing outward.
+    pub fn faces(self) -> [Plane; 6] {
+        std::array::from_fn(|index| {
+            let axis = index / 2;
+            let mut normal = DVec3::ZERO;
+            let (sign, offset) =
+                if index % 2 == 0 { (-1.0, -self.min[axis]) } else { (1.0, self.max[axis]) };
+            normal[axis] = sign;
+            Plane { normal, offset }
+        })
+    }
+
     /// The smallest box around some points; `None` around none.
     pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
         points.into_iter().fold(None, |bounds: Option<Self>, point| {

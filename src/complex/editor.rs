@@ -65,7 +65,7 @@ impl Editor {
         let mut exact = new_complex(&numbers, border.0).map_err(failed)?;
         exact.pin_mut().begin();
         let mut planes = Slots::default();
-        for (plane, id) in box_planes(bounds).into_iter().zip(0..) {
+        for (plane, id) in bounds.faces().into_iter().zip(0..) {
             planes.put(id, Some(plane));
         }
         let saved = Saved { names: BTreeMap::new(), planes: planes.clone() };
@@ -253,19 +253,6 @@ impl Complex {
         labels.dedup();
         labels
     }
-}
-
-/// The planes of the box: lower and upper x, y, z, their normals pointing
-/// outward.
-fn box_planes(bounds: Bounds) -> [Plane; 6] {
-    std::array::from_fn(|index| {
-        let axis = index / 2;
-        let mut normal = DVec3::ZERO;
-        let (sign, offset) =
-            if index % 2 == 0 { (-1.0, -bounds.min[axis]) } else { (1.0, bounds.max[axis]) };
-        normal[axis] = sign;
-        Plane { normal, offset }
-    })
 }
 
 fn numbers_of(plane: &Plane) -> [f64; 4] {

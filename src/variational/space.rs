@@ -30,6 +30,11 @@ const NARROW_VOXELS: f64 = 64.0;
 /// The next finer level has voxels smaller by this factor at least, but for the given
 /// lattice.
 const STEP: f64 = 1.3;
+/// The wide box is one of those whose faces are so many of its voxels apart, and these of
+/// those that are so many to a doubling: so another section leaves the coarse lattices as they
+/// are, mostly, and with them what is far from it.
+const FACES_APART: f64 = 4.0;
+const VOXELS_OF_DOUBLING: f64 = 4.0;
 /// By how much of a voxel a node may be beyond an end, for rounding.
 const ROUNDING: f64 = 1e-6;
 
@@ -37,14 +42,14 @@ const ROUNDING: f64 = 1e-6;
 pub struct Space {
     /// The box that the result fills.
     pub bounds: Bounds,
-    /// The box of the coarse lattices, around it.
+    /// The box of the coarse lattices, around it and what is beyond it.
     pub wide: Bounds,
     /// From the coarsest to the given one.
     pub lattices: Vec<Lattice>,
     /// So many of them are solved on the whole box, at least two.
     pub whole: usize,
-    /// Beyond them the field is given, as it is beyond the wide box: a stack that leans has
-    /// its box's corners there.
+    /// Beyond them the field is given: a box that is as wide as it is to be, and the ends of a
+    /// stack that leans, which has that box's corners there.
     wide_ends: Vec<Plane>,
     /// Beyond them, as far away as the given box is from an upright stack, all but the
     /// coarse lattices have what is interpolated.
@@ -61,12 +66,13 @@ impl Space {
     ) -> Result<Self> {
         let wide = space(sections, WIDE, BEYOND).filter(|_| border != Label::UNKNOWN);
         let Some(wide) = wide else { return Self::new(bounds, bounds, finest) };
+        let wide = bounds.union(wide);
         let reaches = reaches_with(sections, WIDE);
         let all = ends(sections);
         let wide_end = |end: &End| end.beyond(BEYOND * reaches[end.section]);
-        let wide_ends = all.iter().map(wide_end).collect();
+        let wide_ends = all.iter().map(wide_end).chain(wide.faces()).collect();
         let ends = all.iter().map(|end| end.beyond(end.reach)).collect();
-        Ok(Self { wide_ends, ends, ..Self::new(bounds, bounds.union(wide), finest)? })
+        Ok(Self { wide_ends, ends, ..Self::new(bounds, wide, finest)? })
     }
 
     /// The given lattice is itself solved on all of its box when it is as coarse as what
@@ -74,6 +80,10 @@ impl Space {
     pub fn new(bounds: Bounds, wide: Bounds, finest: &Lattice) -> Result<Self> {
         let longest = wide.size().max_element() / WHOLE_VOXELS;
         let coarse = longest.min((wide.volume() / WHOLE_NODES).cbrt());
+        let side = bounds.size().max_element();
+        let steps = (VOXELS_OF_DOUBLING * (coarse / side).log2()).floor();
+        let coarse = side * (steps / VOXELS_OF_DOUBLING).exp2();
+        let wide = rounded(wide, bounds, FACES_APART * coarse);
         let is_coarse = finest.voxel >= coarse;
         let whole = if is_coarse { finest.voxel } else { coarse };
         let on = |bounds: Bounds, voxel: f64| Lattice::new(bounds, Resolution::VoxelSize(voxel));
@@ -120,6 +130,16 @@ impl Space {
     pub fn is_wide(&self, lattice: &Lattice) -> bool {
         let finest = self.lattices.last().map_or(0.0, |finest| finest.voxel);
         lattice.voxel >= self.lattices[self.whole - 1].voxel && lattice.voxel > finest
+    }
+}
+
+/// The smallest box around another one whose faces are multiples of a length beyond those of
+/// a third, inside.
+fn rounded(wide: Bounds, inside: Bounds, length: f64) -> Bounds {
+    let beyond = |margin: DVec3| (margin / length - ROUNDING).ceil().max(DVec3::ZERO) * length;
+    Bounds {
+        min: inside.min - beyond(inside.min - wide.min),
+        max: inside.max + beyond(wide.max - inside.max),
     }
 }
 
