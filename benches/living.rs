@@ -1,7 +1,7 @@
-//! `cargo bench --bench living`: what a section costs that comes last and goes again, beside
-//! all of them at once; and a sweep whose frames come one by one. How much of the field is
-//! evaluated or solved for, and how many patches of the surface change, say how far a section
-//! reaches.
+//! `cargo bench --bench living`: what a section costs that comes last and goes again, and one
+//! whose contour is edited in one place, beside all of them at once; and a sweep whose frames
+//! come one by one. How much of the field is evaluated or solved for, and how many patches of
+//! the surface change, say how far a change reaches.
 
 mod common;
 
@@ -11,12 +11,16 @@ use common::{files, median, name};
 use transect::grid::lattice::Resolution;
 use transect::io::read_sections;
 use transect::{
-    Change, Context, MeanValue, Method, Model, Options, Patches, Result, Rules, Sections, Skeleton,
+    Change, Context, DVec3, MeanValue, Method, Model, Options, Patches, Result, Rules, Section,
+    SectionId, Sections, Skeleton,
 };
 
 const RESOLUTION: Resolution = Resolution::Voxels(256);
-/// How often the last section comes and goes: the median counts.
+/// How often a section comes and goes: the median counts.
 const TIMES: usize = 5;
+/// How far an edit moves a contour, and how wide the bulge is, in voxels.
+const BULGE: f64 = 3.0;
+const WIDTH: f64 = 8.0;
 
 fn main() -> Result<()> {
     let wanted: Vec<String> =
@@ -24,7 +28,7 @@ fn main() -> Result<()> {
     println!("resolution 256, {} threads, seconds", rayon::current_num_threads());
     println!(
         "{:<36}{:>9}{:>9}{:>9}{:>9}{:>11}{:>11}",
-        "", "at once", "last", "share", "removed", "of field", "patches"
+        "", "at once", "away", "again", "share", "of field", "patches"
     );
     let is_wanted = |file: &PathBuf| {
         wanted.is_empty() || wanted.iter().any(|part| name(file).contains(part.as_str()))
@@ -32,8 +36,7 @@ fn main() -> Result<()> {
     let files: Vec<PathBuf> = files().into_iter().filter(is_wanted).collect();
     for file in &files {
         for (method_name, method) in methods() {
-            let Some(last) = Last::measured(file, method)? else { continue };
-            last.print(&format!("{} {method_name}", name(file)));
+            measure(file, &format!("{} {method_name}", name(file)), method)?;
         }
     }
     let sweep = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sweep.json");
@@ -63,53 +66,93 @@ fn methods() -> [(&'static str, Method); 4] {
     ]
 }
 
-/// What the last section of a file costs.
-struct Last {
+/// Measures what a file's last section costs, and an edit of the one in the middle.
+fn measure(file: &Path, name: &str, method: Method) -> Result<()> {
+    let all = read_sections(file, &Rules::default())?;
+    let Some(bounds) = all.space() else { return Ok(()) };
+    let options = Options { method, resolution: RESOLUTION, bounds: Some(bounds) };
+    let mut model = Model::new(options);
+    let mut context = Context::default();
+    let ids = model.apply(Change::Add(all.clone()), &mut context)?;
+    let (Some(&id), Some(section)) = (ids.last(), all.sections.last()) else { return Ok(()) };
+    let last = Sections { sections: vec![section.clone()], ..all.clone() };
+    let at_once = (context.stages.seconds(), effort(&context));
+    let cost = Cost::of(&mut model, id, Change::Remove, |_| Change::Add(last.clone()), at_once)?;
+    cost.print(&format!("{name}, last"));
+    let middle = ids.len() / 2;
+    let section = &all.sections[middle];
+    let voxel = bounds.size().max_element() / 256.0;
+    let edited = edited(section, voxel)?;
+    let to = |section: &Section| {
+        let section = section.clone();
+        move |id| Change::Replace(id, section.clone())
+    };
+    Cost::of(&mut model, ids[middle], to(&edited), to(section), at_once)?
+        .print(&format!("{name}, edited"));
+    Ok(())
+}
+
+/// A section with a bulge where it is farthest from its middle.
+fn edited(section: &Section, voxel: f64) -> Result<Section> {
+    let mut points: Vec<DVec3> =
+        (0..section.vertices().len() as u32).map(|vertex| section.point(vertex)).collect();
+    let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+    let farther = |a: &&DVec3, b: &&DVec3| middle.distance(**a).total_cmp(&middle.distance(**b));
+    let Some(&tip) = points.iter().max_by(farther) else { return Ok(section.clone()) };
+    let outward = (tip - middle).normalize_or_zero();
+    for point in &mut points {
+        let near = point.distance(tip) / (WIDTH * voxel);
+        *point += BULGE * voxel * (-near * near).exp() * outward;
+    }
+    let rules = Rules::default();
+    let size = 2.0 * middle.distance(tip);
+    let plane = *section.plane();
+    Ok(Section::from_graph(section.name(), plane, &points, section.edges(), size, &rules)?.0)
+}
+
+/// What a change costs.
+struct Cost {
+    /// The seconds that all sections take at once.
     at_once: f64,
-    added: f64,
-    removed: f64,
+    away: f64,
+    again: f64,
     /// Of the evaluations, unknowns or cells that all sections need.
     of_field: f64,
     /// Of the patches.
     of_patches: f64,
 }
 
-impl Last {
-    /// `None` for a file without sections.
-    fn measured(file: &Path, method: Method) -> Result<Option<Self>> {
-        let all = read_sections(file, &Rules::default())?;
-        let (Some(bounds), Some(last)) = (all.space(), all.sections.last().cloned()) else {
-            return Ok(None);
-        };
-        let options = Options { method, resolution: RESOLUTION, bounds: Some(bounds) };
-        let mut model = Model::new(options);
-        let last = Sections { sections: vec![last], ..all.clone() };
-        let mut context = Context::default();
-        let ids = model.apply(Change::Add(all), &mut context)?;
-        let Some(&(mut id)) = ids.last() else { return Ok(None) };
-        let (at_once, effort) = (context.stages.seconds(), effort(&context));
-        let (mut added, mut removed, mut patches) = (Vec::new(), Vec::new(), Patches::default());
+impl Cost {
+    /// Of a change that takes something away, and one that brings it again; `id` is the section that it concerns.
+    fn of(
+        model: &mut Model,
+        mut id: SectionId,
+        take: impl Fn(SectionId) -> Change,
+        bring: impl Fn(SectionId) -> Change,
+        (at_once, effort): (f64, f64),
+    ) -> Result<Self> {
+        let (mut away, mut again, mut patches) = (Vec::new(), Vec::new(), Patches::default());
         let (mut of_field, mut of_patches) = (0.0, 0.0);
         for _ in 0..TIMES {
             let mut context = Context::default();
-            model.apply(Change::Remove(id), &mut context)?;
-            removed.push(context.stages.seconds());
-            follow(&model, &mut patches);
+            model.apply(take(id), &mut context)?;
+            away.push(context.stages.seconds());
+            follow(model, &mut patches);
             let mut context = Context::default();
-            id = model.apply(Change::Add(last.clone()), &mut context)?[0];
-            added.push(context.stages.seconds());
+            id = model.apply(bring(id), &mut context)?.first().copied().unwrap_or(id);
+            again.push(context.stages.seconds());
             of_field = self::effort(&context) / effort;
-            of_patches = follow(&model, &mut patches);
+            of_patches = follow(model, &mut patches);
         }
-        let (added, removed) = (median(added), median(removed));
-        Ok(Some(Self { at_once, added, removed, of_field, of_patches }))
+        let (away, again) = (median(away), median(again));
+        Ok(Self { at_once, away, again, of_field, of_patches })
     }
 
     fn print(&self, name: &str) {
-        let Self { at_once, added, removed, of_field, of_patches } = self;
+        let Self { at_once, away, again, of_field, of_patches } = self;
         println!(
-            "{name:<36}{at_once:>9.3}{added:>9.3}{:>8.0}%{removed:>9.3}{:>10.0}%{:>10.0}%",
-            100.0 * added / at_once,
+            "{name:<36}{at_once:>9.3}{away:>9.3}{again:>9.3}{:>8.0}%{:>10.0}%{:>10.0}%",
+            100.0 * again / at_once,
             100.0 * of_field,
             100.0 * of_patches
         );

@@ -62,7 +62,8 @@ pub struct Options {
     pub resolution: Resolution,
     /// The box that is filled; no contour may leave it. Without one it follows from the
     /// sections, anew with every change. As long as the box stays as it is the mean-value field
-    /// is evaluated, and the variational field solved for, only where a change concerns it.
+    /// is evaluated, and the variational field solved for, only where a change concerns it;
+    /// without a given one from the second change on.
     pub bounds: Option<Bounds>,
 }
 
@@ -219,7 +220,7 @@ impl Model {
         let Context { rules, stages, progress } = context;
         let sections = given.merged(rules)?;
         let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // What may well be the only change leaves nothing behind that takes time and memory.
+        // Fields that may well be the only ones leave nothing behind, which takes time and memory.
         let keeps = self.options.bounds.is_some() || self.derived.is_some();
         let before = self.derived.as_ref();
         let derive =

@@ -1,5 +1,5 @@
-// What a cell's surfaces follow from, in numbers of its own. Nothing else of the scene is
-// looked at for them, so that cells with the same content, of whatever scene, have the same
+// What a cell's surfaces follow from, in numbers of its own. Nothing else of the scene
+// bears on them, so that cells with the same content, of whatever scene, have the same
 // surfaces.
 #pragma once
 

@@ -19,34 +19,37 @@
 
 use std::borrow::Cow;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::grid::leaf::LeafNodes;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
-use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
+use crate::grid::samples::{LEAF_NODES, Lattice};
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};
 use crate::section::Section;
 
 use super::Space;
+use super::differences::mark_differences;
 use super::label_field::{LabelField, Scene, node_of};
-use super::level::{Level, leaves_between, near_points};
+use super::level::{Level, leaves_between};
 use super::metric::Metric;
-use super::plane_samples::{PlaneSample, Region, plane_samples};
 use super::system::System;
 
 /// How much the start of a leaf may change before it is solved for again, in voxels of the
 /// finest level, on whatever level it is.
 const TOLERANCE: f64 = 0.03;
+/// By how much, in voxels of its own level, for nothing to hold of what was solved for: what
+/// was left then was left of another surface.
+const MUCH: f32 = 0.5;
 /// A change concerns leaves within so many nodes.
-const REACH: i32 = 3;
+pub const REACH: i32 = 3;
 
 /// What the fields of all labels keep.
 #[derive(Debug)]
 pub struct Kept {
-    /// What they were made from.
+    /// What they were made from, and the box that they fill.
     sections: Vec<Section>,
+    bounds: Bounds,
     metric: Metric,
     /// Where solids end, on the given box and on the wide one.
     ends: [Vec<Plane>; 2],
@@ -64,10 +67,12 @@ struct KeptField {
 /// The leaves of one level that were solved for.
 #[derive(Debug)]
 pub struct KeptLevel {
+    /// Which level it was; how it was solved hangs on that.
+    number: usize,
     lattice: Lattice,
     starts: LeafGrid,
     /// What solving made of these starts.
-    ends: LeafGrid,
+    values: LeafGrid,
     /// What was left of the right-hand side when they had been made.
     rests: LeafGrid,
     /// The values by which samples were last found to be on the wrong side, without the
@@ -91,19 +96,31 @@ pub struct Before<'a> {
 }
 
 impl Kept {
-    /// What holds for other sections; `None` where lengths are measured in another way.
+    /// What holds for other sections; `None` in another box, where lengths are measured in
+    /// another way, and where more sections changed than stayed.
     pub fn before(&self, scene: &Scene) -> Option<Before<'_>> {
         let &Scene { sections, space, metric, is_open, .. } = scene;
-        if !self.metric.is_near(metric) {
+        if !self.metric.is_near(metric) || self.bounds != space.bounds {
             return None;
         }
         let without = |all: &[Section], others: &[Section]| -> Vec<Section> {
             all.iter().filter(|section| !others.contains(section)).cloned().collect()
         };
         let changed = [without(&self.sections, sections), without(sections, &self.sections)];
-        let concerned = (space.lattices.par_iter())
-            .map(|lattice| self.concerned(&changed, space, &Level::new(*lattice, is_open)))
-            .collect();
+        let [went, came] = changed.each_ref().map(Vec::len);
+        if 2 * went > self.sections.len() || 2 * came > sections.len() {
+            return None;
+        }
+        let concerned = |(number, lattice): (usize, &Lattice)| {
+            let level = Level::new(*lattice, is_open);
+            let mut concerned = LeafSet::new(&level.grid);
+            if self.fields.iter().any(|field| field.level(number, lattice).is_some()) {
+                mark_differences(&changed, space.wide, &level, &mut concerned);
+                self.mark_ends(space, &level, &mut concerned);
+            }
+            concerned
+        };
+        let concerned = space.lattices.par_iter().enumerate().map(concerned).collect();
         let finest = space.lattices.last().map_or(0.0, |finest| finest.voxel);
         Some(Before { kept: self, concerned, tolerance: TOLERANCE * finest })
     }
@@ -117,90 +134,39 @@ impl Kept {
         };
         Self {
             sections: scene.sections.to_vec(),
+            bounds: scene.space.bounds,
             metric,
             ends: scene.space.ends().map(<[_]>::to_vec),
             fields: fields.iter_mut().map(keep).collect(),
         }
     }
 
-    /// The leaves of a level about which sections that went and others that came say something
-    /// else, and those that solids now end in, or no longer do.
-    fn concerned(&self, changed: &[Vec<Section>; 2], space: &Space, level: &Level) -> LeafSet {
-        let Lattice { origin, voxel, .. } = level.lattice;
-        let in_nodes = |at: DVec3| ((at - origin) / voxel).to_array();
-        let places: Vec<[f64; 3]> =
-            differences(changed, space.wide, voxel).into_iter().map(in_nodes).collect();
-        let mut concerned = LeafSet::new(&level.grid);
-        for leaf in near_points(&places, REACH) {
-            concerned.insert(leaf);
-        }
+    /// The leaves of a level that solids now end in, or no longer do.
+    fn mark_ends(&self, space: &Space, level: &Level, marked: &mut LeafSet) {
         let which = usize::from(space.is_wide(&level.lattice));
         let [was, is] = [&self.ends[which][..], space.ends()[which]];
-        if was != is {
-            let [was, is] = [was, is].map(|ends| Space::beyond_ends(ends, &level.lattice));
-            for leaf in level.grid.all_places() {
-                let last = LEAF_SIDE as i32 - 1;
-                let corner = |number: i32| {
-                    let step = [number >> 2 & 1, number >> 1 & 1, number & 1];
-                    std::array::from_fn(|axis| leaf[axis] * (last + 1) + step[axis] * last)
-                };
-                let first = is(corner(0));
-                let is_same = |number| was(corner(number)) == first && is(corner(number)) == first;
-                if !(0..8).all(is_same) {
-                    concerned.insert(leaf);
-                }
+        if was == is {
+            return;
+        }
+        let [was, is] = [was, is].map(|ends| Space::beyond_ends(ends, &level.lattice));
+        for leaf in level.grid.all_places() {
+            // What is beyond the ends has edges, which may miss all corners of a leaf.
+            let first = is(node_of(leaf, 0));
+            let is_same = |node: usize| {
+                let node = node_of(leaf, node);
+                was(node) == first && is(node) == first
+            };
+            if !(0..LEAF_NODES).all(is_same) {
+                marked.insert(leaf);
             }
         }
-        concerned
     }
 }
 
-/// The places on planes, not farther apart than a spacing, at which only one of two lists of
-/// sections has a contour or says what it does.
-fn differences(changed: &[Vec<Section>; 2], bounds: Bounds, spacing: f64) -> Vec<DVec3> {
-    let sampled = |own: &Section| {
-        plane_samples(std::slice::from_ref(own), bounds, spacing, Region::Everywhere)
-    };
-    let [mut was, is] = changed.each_ref().map(|own| own.iter().collect::<Vec<_>>());
-    let mut places = Vec::new();
-    for section in is {
-        let other = was.iter().position(|other| other.plane() == section.plane());
-        let before = other.map_or_else(Vec::new, |other| sampled(was.swap_remove(other)));
-        let now = sampled(section);
-        let at = |sample: &PlaneSample| sample.at;
-        // Where parts are unknown others are sampled.
-        match before.iter().map(at).eq(now.iter().map(at)) {
-            true => {
-                let pairs = before.iter().zip(&now);
-                let other = pairs.filter(|(before, now)| before.label != now.label);
-                places.extend(other.map(|(_, now)| now.at));
-            }
-            false => places.extend(before.iter().chain(&now).map(at)),
-        }
+impl KeptField {
+    fn level(&self, number: usize, lattice: &Lattice) -> Option<&KeptLevel> {
+        self.levels.iter().find(|level| level.number == number && level.lattice == *lattice)
     }
-    places.extend(was.into_iter().flat_map(sampled).map(|sample| sample.at));
-    let bits = |at: DVec3| at.to_array().map(f64::to_bits);
-    let place = |bits: [u64; 3]| DVec3::from_array(bits.map(f64::from_bits));
-    let [was, is] = changed.each_ref().map(|sections| {
-        let mut segments: Vec<[[u64; 3]; 2]> =
-            sections.iter().flat_map(Section::segments).map(|ends| ends.map(bits)).collect();
-        segments.iter_mut().for_each(|ends| ends.sort_unstable());
-        segments.sort_unstable();
-        segments
-    });
-    for [from, to] in not_common(&was, &is).into_iter().map(|ends| ends.map(place)) {
-        let steps = (from.distance(to) / spacing).ceil().max(1.0) as u32;
-        places.extend((0..=steps).map(|step| from.lerp(to, f64::from(step) / f64::from(steps))));
-    }
-    places
-}
-
-/// What only one of two sorted lists has.
-fn not_common<T: Ord + Copy>(one: &[T], other: &[T]) -> Vec<T> {
-    let without = |all: &[T], others: &[T]| -> Vec<T> {
-        all.iter().filter(|own| others.binary_search(own).is_err()).copied().collect()
-    };
-    [without(one, other), without(other, one)].concat()
 }
 
 impl Before<'_> {
@@ -210,14 +176,15 @@ impl Before<'_> {
     }
 
     /// What a level of a label's field keeps.
-    fn level(&self, label: Label, lattice: &Lattice) -> Option<&KeptLevel> {
-        let field = self.kept.fields.iter().find(|field| field.label == label)?;
-        field.levels.iter().find(|level| level.lattice == *lattice)
+    fn level(&self, label: Label, number: usize, lattice: &Lattice) -> Option<&KeptLevel> {
+        self.kept.fields.iter().find(|field| field.label == label)?.level(number, lattice)
     }
 }
 
 /// The leaves of a level that are solved for, and those that keep their correction.
 pub struct Making<'a> {
+    /// Which level it is.
+    number: usize,
     before: Option<&'a KeptLevel>,
     /// In voxels of the level.
     tolerance: f32,
@@ -249,7 +216,8 @@ impl<'a> Making<'a> {
     ) -> Self {
         let starts = LeafGrid::new(level.domain.low, level.domain.high);
         let settled = LeafSet::new(&starts);
-        let kept = before.and_then(|before| Some((before, before.level(label, &level.lattice)?)));
+        let kept =
+            before.and_then(|before| Some((before, before.level(label, number, &level.lattice)?)));
         let (tolerance, concerned) = match kept {
             Some((before, _)) => (before.tolerance, before.concerned[number].clone()),
             None => (0.0, settled.clone()),
@@ -258,7 +226,19 @@ impl<'a> Making<'a> {
         let (before, drawn_to) = (kept.map(|(_, kept)| kept), drawn_to.cloned());
         let (changed, rests, seen) = (settled.clone(), starts.clone(), None);
         let size = before.map_or(0.0, |before| before.size);
-        Self { before, tolerance, concerned, changed, starts, rests, seen, drawn_to, size, settled }
+        Self {
+            number,
+            before,
+            tolerance,
+            concerned,
+            changed,
+            starts,
+            rests,
+            seen,
+            drawn_to,
+            size,
+            settled,
+        }
     }
 
     /// Leaves are to be solved for. The new ones among them that no change of the sections
@@ -277,8 +257,16 @@ impl<'a> Making<'a> {
         for leaf in changes.into_iter().flat_map(leaves_between) {
             self.changed.insert(leaf);
         }
+        let differs_much = |leaf: &&[i32; 3]| {
+            let starts = before.starts.get(**leaf).zip(self.starts.get(**leaf));
+            starts.is_some_and(|(was, is)| was.iter().zip(is).any(|(a, b)| (a - b).abs() > MUCH))
+        };
+        let elsewhere: Vec<[i32; 3]> = new.par_iter().filter(differs_much).copied().collect();
+        for leaf in elsewhere {
+            self.concerned.insert(leaf);
+        }
         for leaf in new {
-            let (start, end) = (before.starts.get(leaf), self.of_before(leaf, &before.ends));
+            let (start, end) = (before.starts.get(leaf), self.of_before(leaf, &before.values));
             let Some(((start, end), own)) = start.zip(end).zip(grid.get_mut(leaf)) else {
                 continue;
             };
@@ -297,14 +285,14 @@ impl<'a> Making<'a> {
         grid.get(leaf).filter(|_| !self.concerned.has(leaf))
     }
 
-    /// The values by which samples are on the wrong side, for those of a level; `is_first`
-    /// says whether samples were not looked at before.
-    pub fn see<'g>(&mut self, grid: &'g LeafGrid, is_first: bool) -> Cow<'g, LeafGrid> {
+    /// The values by which samples are on the wrong side, for those of a level. They are to be
+    /// kept if this is the last time but not the first.
+    pub fn see<'g>(&mut self, grid: &'g LeafGrid, is_kept: bool) -> Cow<'g, LeafGrid> {
         let mut seen = Cow::Borrowed(grid);
         if let Some(before) = self.before {
             let seen = seen.to_mut();
             for (slot, &leaf) in self.starts.leaves().iter().enumerate() {
-                let has_past = self.of_before(leaf, &before.ends).is_some();
+                let has_past = self.of_before(leaf, &before.values).is_some();
                 let Some(own) = seen.get_mut(leaf).filter(|_| has_past) else { continue };
                 let was = before.starts.get(leaf).filter(|_| self.settled.has(leaf));
                 *own = *was.unwrap_or(self.starts.leaf(slot as u32));
@@ -312,7 +300,7 @@ impl<'a> Making<'a> {
                 by.into_iter().for_each(|by| add(own, by));
             }
         }
-        self.seen = (!is_first).then(|| seen.clone().into_owned());
+        self.seen = is_kept.then(|| seen.clone().into_owned());
         seen
     }
 
@@ -335,7 +323,7 @@ impl<'a> Making<'a> {
 
     /// A system was solved, whose residual had a squared norm when the level was begun, and so
     /// much is left of it now.
-    pub fn leave(&mut self, system: &System, left: &[f32], first: f64) {
+    pub fn solved(&mut self, system: &System, left: &[f32], first: f64) {
         if self.before.is_none() {
             self.size = first / system.unknowns().max(1) as f64;
         }
@@ -374,11 +362,11 @@ impl<'a> Making<'a> {
 
     /// What is to be kept of the level when it is done.
     pub fn keep(mut self, level: &Level) -> KeptLevel {
-        let mut ends = LeafGrid::new(level.domain.low, level.domain.high);
-        ends.add(self.starts.leaves().iter().copied());
-        for ((leaf, start), (_, end)) in self.starts.iter_mut().zip(ends.iter_mut()) {
+        let mut values = LeafGrid::new(level.domain.low, level.domain.high);
+        values.add(self.starts.leaves().iter().copied());
+        for ((leaf, start), (_, value)) in self.starts.iter_mut().zip(values.iter_mut()) {
             if let Some(own) = level.grid.get(leaf) {
-                *end = *own;
+                *value = *own;
             }
             let before = self.before.filter(|_| self.settled.has(leaf));
             let Some((before, was)) = before.and_then(|own| Some((own, own.starts.get(leaf)?)))
@@ -401,10 +389,13 @@ impl<'a> Making<'a> {
             }
             without
         });
+        // Where nothing was solved for nothing was seen.
+        let seen = seen.or_else(|| self.before?.seen.clone());
         KeptLevel {
+            number: self.number,
             lattice: level.lattice,
             starts: self.starts,
-            ends,
+            values,
             rests: self.rests,
             seen,
             drawn_to: self.drawn_to,

@@ -211,7 +211,7 @@ impl<'a> Solver<'a> {
         let samples = self.samples_near(number, samples, &near);
         let targets = is_soft.then(|| self.soft_targets(number, &samples));
         for pass in 0..PASSES {
-            let seen = self.seen(number, &mut making, pass == 0);
+            let seen = self.seen(number, &mut making, pass + 1 == PASSES);
             let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
             self.solve(number, leaves.clone(), &pulls, WHOLE, making.as_mut())?;
         }
@@ -290,11 +290,14 @@ impl<'a> Solver<'a> {
             band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
             self.ensure(band.iter().flat_map(|&leaf| around(leaf)));
             let leaves = enter(&mut making, band.clone(), &mut self.levels[number].grid);
+            if leaves.is_empty() {
+                continue;
+            }
             let near = self.leaves_before(number, &leaves);
             let samples = self.samples_in(number, &near, &band);
             let is_soft = (is_first || !is_last) && self.anchor.is_none();
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
-            let seen = self.seen(number, &mut making, pass == 0);
+            let seen = self.seen(number, &mut making, pass > 0 && pass + 1 == passes);
             let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
             self.solve(number, leaves, &pulls, limits, making.as_mut())?;
         }
@@ -422,15 +425,10 @@ impl<'a> Solver<'a> {
     }
 
     /// The values by which samples are on the wrong side.
-    fn seen(
-        &self,
-        number: usize,
-        making: &mut Option<Making>,
-        is_first: bool,
-    ) -> Cow<'_, LeafGrid> {
+    fn seen(&self, number: usize, making: &mut Option<Making>, is_kept: bool) -> Cow<'_, LeafGrid> {
         let grid = &self.levels[number].grid;
         match making {
-            Some(making) => making.see(grid, is_first),
+            Some(making) => making.see(grid, is_kept),
             None => Cow::Borrowed(grid),
         }
     }
@@ -511,7 +509,7 @@ impl<'a> Solver<'a> {
             own.iter_mut().zip(values).for_each(|(own, by)| *own += by);
         }
         if let Some(making) = making {
-            making.leave(&system, &residual(&system, grid), self.first);
+            making.solved(&system, &residual(&system, grid), self.first);
         }
         Ok(())
     }

@@ -28,8 +28,8 @@
 //! between parallel ones; this one goes through them as a bent plate would. A label
 //! is where its field is the largest of all; *outside* has one like the others.
 //!
-//! It is solved from coarse to fine (`label_field`): on the whole box with about 48
-//! voxels on its longest side, where it is decided how parts hang together, then in
+//! It is solved from coarse to fine (`label_field`): on the whole box with 48 voxels
+//! or some more on its longest side, where it is decided how parts hang together, then in
 //! a narrow band around the surface and the contours on ever finer lattices, started
 //! from the interpolated level below, which is also the band's boundary condition.
 //!
@@ -43,6 +43,7 @@ mod anchor;
 mod assembly;
 mod backend;
 mod cpu;
+mod differences;
 mod gpu;
 mod kept;
 mod label_field;

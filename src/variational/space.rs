@@ -12,7 +12,7 @@ use crate::section::Section;
 use crate::section::ends::{End, ends};
 use crate::section::reach::{reaches_with, space};
 
-/// Voxels on the longest side of the box on which all of it is solved for.
+/// Voxels on the longest side of the box on which all of it is solved for, at least.
 const WHOLE_VOXELS: f64 = 48.0;
 /// How far that box reaches beyond contours within their planes, relative to the
 /// diagonal of them all. The given one is near to the surface; half way between two
@@ -30,26 +30,27 @@ const NARROW_VOXELS: f64 = 64.0;
 /// The next finer level has voxels smaller by this factor at least, but for the given
 /// lattice.
 const STEP: f64 = 1.3;
-/// The wide box is one of those whose faces are so many of its voxels apart, and these of
-/// those that are so many to a doubling: so another section leaves the coarse lattices as they
+/// The coarse lattices have voxels of one of so many sizes to a doubling, and reach beyond the
+/// box that is filled by multiples of so many voxels: so another section leaves them as they
 /// are, mostly, and with them what is far from it.
-const FACES_APART: f64 = 4.0;
-const VOXELS_OF_DOUBLING: f64 = 4.0;
-/// By how much of a voxel a node may be beyond an end, for rounding.
+const SIZES_OF_DOUBLING: f64 = 4.0;
+const VOXELS_OF_MARGIN: f64 = 4.0;
+/// By how much of a voxel a node may be beyond an end, for rounding; other lengths by as large
+/// a part of them.
 const ROUNDING: f64 = 1e-6;
 
 /// Where is solved.
 pub struct Space {
     /// The box that the result fills.
     pub bounds: Bounds,
-    /// The box of the coarse lattices, around it and what is beyond it.
+    /// The box of the coarse lattices.
     pub wide: Bounds,
     /// From the coarsest to the given one.
     pub lattices: Vec<Lattice>,
     /// So many of them are solved on the whole box, at least two.
     pub whole: usize,
-    /// Beyond them the field is given: a box that is as wide as it is to be, and the ends of a
-    /// stack that leans, which has that box's corners there.
+    /// Beyond them the field is given: the faces of the wide box before it was rounded, and the
+    /// ends of a stack that leans, which has that box's corners there.
     wide_ends: Vec<Plane>,
     /// Beyond them, as far away as the given box is from an upright stack, all but the
     /// coarse lattices have what is interpolated.
@@ -78,12 +79,8 @@ impl Space {
     /// The given lattice is itself solved on all of its box when it is as coarse as what
     /// would be.
     pub fn new(bounds: Bounds, wide: Bounds, finest: &Lattice) -> Result<Self> {
-        let longest = wide.size().max_element() / WHOLE_VOXELS;
-        let coarse = longest.min((wide.volume() / WHOLE_NODES).cbrt());
-        let side = bounds.size().max_element();
-        let steps = (VOXELS_OF_DOUBLING * (coarse / side).log2()).floor();
-        let coarse = side * (steps / VOXELS_OF_DOUBLING).exp2();
-        let wide = rounded(wide, bounds, FACES_APART * coarse);
+        let coarse = coarse_voxel(bounds, wide);
+        let wide = rounded(wide, bounds, VOXELS_OF_MARGIN * coarse);
         let is_coarse = finest.voxel >= coarse;
         let whole = if is_coarse { finest.voxel } else { coarse };
         let on = |bounds: Bounds, voxel: f64| Lattice::new(bounds, Resolution::VoxelSize(voxel));
@@ -133,6 +130,16 @@ impl Space {
     }
 }
 
+/// The voxels of a lattice on the wide box. One that is no wider than the box that is filled has
+/// [`WHOLE_VOXELS`], but for its volume.
+fn coarse_voxel(bounds: Bounds, wide: Bounds) -> f64 {
+    let wanted =
+        (wide.size().max_element() / WHOLE_VOXELS).min((wide.volume() / WHOLE_NODES).cbrt());
+    let unit = bounds.size().max_element() / WHOLE_VOXELS;
+    let steps = (SIZES_OF_DOUBLING * (wanted / unit).log2() + ROUNDING).floor();
+    unit * (steps / SIZES_OF_DOUBLING).exp2()
+}
+
 /// The smallest box around another one whose faces are multiples of a length beyond those of
 /// a third, inside.
 fn rounded(wide: Bounds, inside: Bounds, length: f64) -> Bounds {
@@ -146,6 +153,30 @@ fn rounded(wide: Bounds, inside: Bounds, length: f64) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_wider_box_mostly_has_the_same_lattices() {
+        let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(1.0, 0.9, 0.8) };
+        let finest = Lattice::new(bounds, Resolution::Voxels(256)).unwrap();
+        // One that is not wider has all levels.
+        let same = Space::new(bounds, bounds, &finest).unwrap();
+        assert_eq!(same.wide, bounds);
+        let has = |space: &Space, voxels: f64| {
+            space.lattices.iter().any(|lattice| (lattice.voxel * voxels - 1.0).abs() < 1e-9)
+        };
+        assert!(has(&same, 48.0) && has(&same, 64.0) && has(&same, 128.0));
+        let spaces: Vec<Space> = (0..100)
+            .map(|step| bounds.grown(0.1 + 0.001 * f64::from(step)))
+            .map(|wide| {
+                let space = Space::new(bounds, wide, &finest).unwrap();
+                assert_eq!(space.wide.union(wide), space.wide);
+                assert!(space.lattices[1].voxel <= wide.size().max_element() / WHOLE_VOXELS);
+                space
+            })
+            .collect();
+        let differs = |pair: &&[Space]| pair[0].lattices != pair[1].lattices;
+        assert!(spaces.windows(2).filter(differs).count() < 10);
+    }
 
     #[test]
     fn the_last_lattice_is_the_given_one_and_those_before_are_always_the_same() {
