@@ -1,5 +1,5 @@
 //! Whatever was added, replaced, removed and taken back: a model is the one that its sections
-//! make at once. Random sections, in a box that is given.
+//! make at once. Random sections, in a box that is given or follows them.
 
 #[path = "common/random.rs"]
 mod random;
@@ -192,6 +192,11 @@ fn of_the_mean_value_field() {
 #[test]
 fn of_the_variational_field() {
     follow(Method::Variational(Variational::default()), Some(BOX), 0..15, same_surfaces);
+}
+
+#[test]
+fn of_the_variational_field_in_a_box_that_follows() {
+    follow(Method::Variational(Variational::default()), None, 30..40, same_surfaces);
 }
 
 /// All that is said, to the last bit.

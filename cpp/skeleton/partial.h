@@ -24,7 +24,7 @@ struct CellPlane {
   Label label;
 };
 
-// What a cell shows. Without partial sections it is none for `partial_surface`.
+// What a cell shows. `partial_surface` is for those with partial sections.
 struct PartialCell {
   const std::vector<Plane>* planes;
   // Corners of the cell and ends of pieces; equal points have one index.

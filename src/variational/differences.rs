@@ -96,3 +96,60 @@ fn not_common<T: Ord + Copy>(one: &[T], other: &[T]) -> Vec<T> {
     };
     [without(one, other), without(other, one)].concat()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::shapes::{disc, partition, rectangle};
+    use crate::grid::lattice::Resolution;
+    use crate::label::Label;
+    use crate::plane::Plane;
+
+    const BOX: Bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
+    const PLANE: Plane = Plane { normal: DVec3::Z, offset: 0.01 };
+
+    /// The leaves, of side ¼, that are marked.
+    fn marked(went: &[Section], came: &[Section]) -> Vec<[i32; 3]> {
+        let level = Level::new(Lattice::new(BOX, Resolution::Voxels(64)).unwrap(), false);
+        let mut marked = LeafSet::new(&level.grid);
+        mark_differences(&[went.to_vec(), came.to_vec()], BOX, &level, &mut marked);
+        marked.sorted()
+    }
+
+    #[test]
+    fn what_is_the_same_on_a_plane_is_not_marked() {
+        let big = |half: f64| (rectangle([-half; 2], [half; 2]), [Label(1), Label::OUTSIDE]);
+        // Smaller than a voxel: no sample needs to be in it.
+        let small = |label: Label| (rectangle([0.5; 2], [0.505; 2]), [label, Label(1)]);
+        let section = |polygons: &[_]| partition(PLANE, polygons, Label::OUTSIDE);
+        let was = section(&[big(0.8), small(Label(2))]);
+        assert!(marked(&[was.clone()], &[was.clone()]).is_empty());
+        // A part becomes another label.
+        let relabelled = section(&[big(0.8), small(Label(3))]);
+        let found = marked(&[was.clone()], &[relabelled]);
+        assert!(!found.is_empty() && found.len() <= 8, "{found:?}");
+        let low = |leaf: &[i32; 3]| leaf.map(|along| -1.0 + 0.25 * f64::from(along));
+        assert!(
+            found.iter().map(low).all(|[x, y, _]| (x - 0.5).abs() < 0.3 && (y - 0.5).abs() < 0.3)
+        );
+        // One moves: all along its contour, not in its middle.
+        let moved = marked(&[was], &[section(&[big(0.75), small(Label(2))])]);
+        assert!(moved.len() > 16 && !moved.contains(&[4, 4, 4]), "{moved:?}");
+    }
+
+    #[test]
+    fn a_section_without_a_counterpart_is_marked_all_over() {
+        let section = disc(PLANE, 0.3, 40, Label(1));
+        let [came, went] = [marked(&[], &[section.clone()]), marked(&[section.clone()], &[])];
+        assert_eq!(came, went);
+        for x in 0..8 {
+            assert!((0..8).all(|y| came.contains(&[x, y, 4])));
+        }
+        assert!(came.iter().all(|leaf| (3..=5).contains(&leaf[2])));
+        // Other parts of the plane are known: anything may differ.
+        let mut partial = section.clone();
+        partial.background = Label::UNKNOWN;
+        partial.edges.iter_mut().for_each(|edge| edge.right = Label::UNKNOWN);
+        assert!(marked(&[partial], &[section]).contains(&[4, 4, 4]));
+    }
+}

@@ -240,3 +240,36 @@ fn random_labels_in_an_open_box_are_edge_manifold() {
         }
     }
 }
+
+/// Where leaves are as they were their blocks are taken over, and the mesh is the same to the
+/// last bit as one without a past.
+#[test]
+fn what_was_meshed_before_does_not_show() {
+    let lattice = unit_lattice([34, 18, 18]);
+    let two_balls = |second: f64| {
+        samples(lattice, |node| {
+            let at = DVec3::from_array(node.map(f64::from));
+            let ball = |x: f64, radius: f64| {
+                ((radius - at.distance(DVec3::new(x, 8.5, 8.5))) / 3.0).clamp(-1.0, 1.0) as f32
+            };
+            vec![ball(8.5, 6.2), ball(25.5, second)]
+        })
+    };
+    let before = two_balls(5.1);
+    let (_, blocks) = dual_again(&before, None, &Silent).unwrap();
+    let mut other = two_balls(5.7);
+    for (now, is_other_grid) in [(other.clone(), false), (two_balls(0.0), false), {
+        other.lattice.origin.x = 1.0;
+        (other, true)
+    }] {
+        let (mesh, kept) = dual_again(&now, Some((&before, &blocks)), &Silent).unwrap();
+        assert_eq!(mesh, dual(&now, &Silent).unwrap());
+        let is_taken_over =
+            |block: &&Arc<Block>| blocks.0.iter().any(|own| Arc::ptr_eq(own, block));
+        let taken_over: Vec<i32> =
+            kept.0.iter().filter(is_taken_over).map(|block| block.at[0]).collect();
+        // Those of the first ball, but for leaves that touch the second one's.
+        assert_eq!(taken_over.is_empty(), is_other_grid);
+        assert!(taken_over.iter().all(|&x| x < 2) && taken_over.len() < kept.0.len() + 1);
+    }
+}
