@@ -109,10 +109,11 @@ mod tests {
     const PLANE: Plane = Plane { normal: DVec3::Z, offset: 0.01 };
 
     /// The leaves, of side ¼, that are marked.
-    fn marked(went: &[Section], came: &[Section]) -> Vec<[i32; 3]> {
+    fn marked(went: Option<&Section>, came: Option<&Section>) -> Vec<[i32; 3]> {
         let level = Level::new(Lattice::new(BOX, Resolution::Voxels(64)).unwrap(), false);
         let mut marked = LeafSet::new(&level.grid);
-        mark_differences(&[went.to_vec(), came.to_vec()], BOX, &level, &mut marked);
+        let changed = [went, came].map(|section| section.into_iter().cloned().collect());
+        mark_differences(&changed, BOX, &level, &mut marked);
         marked.sorted()
     }
 
@@ -123,24 +124,24 @@ mod tests {
         let small = |label: Label| (rectangle([0.5; 2], [0.505; 2]), [label, Label(1)]);
         let section = |polygons: &[_]| partition(PLANE, polygons, Label::OUTSIDE);
         let was = section(&[big(0.8), small(Label(2))]);
-        assert!(marked(&[was.clone()], &[was.clone()]).is_empty());
+        assert!(marked(Some(&was), Some(&was)).is_empty());
         // A part becomes another label.
         let relabelled = section(&[big(0.8), small(Label(3))]);
-        let found = marked(&[was.clone()], &[relabelled]);
+        let found = marked(Some(&was), Some(&relabelled));
         assert!(!found.is_empty() && found.len() <= 8, "{found:?}");
         let low = |leaf: &[i32; 3]| leaf.map(|along| -1.0 + 0.25 * f64::from(along));
         assert!(
             found.iter().map(low).all(|[x, y, _]| (x - 0.5).abs() < 0.3 && (y - 0.5).abs() < 0.3)
         );
         // One moves: all along its contour, not in its middle.
-        let moved = marked(&[was], &[section(&[big(0.75), small(Label(2))])]);
+        let moved = marked(Some(&was), Some(&section(&[big(0.75), small(Label(2))])));
         assert!(moved.len() > 16 && !moved.contains(&[4, 4, 4]), "{moved:?}");
     }
 
     #[test]
     fn a_section_without_a_counterpart_is_marked_all_over() {
         let section = disc(PLANE, 0.3, 40, Label(1));
-        let [came, went] = [marked(&[], &[section.clone()]), marked(&[section.clone()], &[])];
+        let [came, went] = [marked(None, Some(&section)), marked(Some(&section), None)];
         assert_eq!(came, went);
         for x in 0..8 {
             assert!((0..8).all(|y| came.contains(&[x, y, 4])));
@@ -150,6 +151,6 @@ mod tests {
         let mut partial = section.clone();
         partial.background = Label::UNKNOWN;
         partial.edges.iter_mut().for_each(|edge| edge.right = Label::UNKNOWN);
-        assert!(marked(&[partial], &[section]).contains(&[4, 4, 4]));
+        assert!(marked(Some(&partial), Some(&section)).contains(&[4, 4, 4]));
     }
 }
