@@ -61,9 +61,8 @@ pub struct Options {
     /// How fine the grid is.
     pub resolution: Resolution,
     /// The box that is filled; no contour may leave it. Without one it follows from the
-    /// sections, anew with every change. As long as the box stays as it is the mean-value field
-    /// is evaluated, and the variational field solved for, only where a change concerns it;
-    /// without a given one from the second change on.
+    /// sections, anew with every change. In a given box the mean-value field is evaluated, and
+    /// the variational field solved for, only where a change concerns it.
     pub bounds: Option<Bounds>,
 }
 
@@ -220,8 +219,9 @@ impl Model {
         let Context { rules, stages, progress } = context;
         let sections = given.merged(rules)?;
         let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // Fields that may well be the only ones leave nothing behind, which takes time and memory.
-        let keeps = self.options.bounds.is_some() || self.derived.is_some();
+        // Where the box follows the sections, fields leave nothing behind: the same sections make
+        // the same then, to the last bit, whatever was before.
+        let keeps = self.options.bounds.is_some();
         let before = self.derived.as_ref();
         let derive =
             |sections| derive(sections, &self.options, (keeps, lasting), before, stages, *progress);

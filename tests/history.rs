@@ -194,11 +194,6 @@ fn of_the_variational_field() {
     follow(Method::Variational(Variational::default()), Some(BOX), 0..15, same_surfaces);
 }
 
-#[test]
-fn of_the_variational_field_in_a_box_that_follows() {
-    follow(Method::Variational(Variational::default()), None, 30..40, same_surfaces);
-}
-
 /// All that is said, to the last bit.
 fn same_exactly(one: &Model, other: &Model) -> Result<(), String> {
     let [one, other] = [one, other].map(|model| model.derived().expect("a mesh"));
