@@ -3,10 +3,10 @@
 //! On every level a leaf's values are what was interpolated from the level below, its
 //! *start*, and what solving added to that, its *correction*. This depends on the sections
 //! nearby, and hardly on the start as long as that changes little. So after a change of the
-//! sections all leaves add their correction to the new start but those that it concerns, near
-//! which a section says something else: these begin at their start, as they do without a
-//! past. They are solved for, and so are those whose start is another one by more than
-//! [`TOLERANCE`] than when they were.
+//! sections a leaf that it concerns, near which a section says something else, begins at its
+//! start, as it does without a past. One whose start is another one by more than [`TOLERANCE`]
+//! than when it was solved for goes on from the new start and its correction. These are solved
+//! for; all others keep their values, to the bit.
 //!
 //! Solving stops long before there is nothing left to mend. What was left of the right-hand
 //! side, the *rest*, is kept too, and where a leaf is solved for because of its start alone,
@@ -91,6 +91,8 @@ pub struct Before<'a> {
     kept: &'a Kept,
     /// For every lattice the leaves that the sections say something else about.
     concerned: Vec<LeafSet>,
+    /// Whether they say the same everywhere.
+    is_same: bool,
     /// In world units.
     tolerance: f64,
 }
@@ -121,8 +123,9 @@ impl Kept {
             concerned
         };
         let concerned = space.lattices.par_iter().enumerate().map(concerned).collect();
+        let is_same = went + came == 0 && self.ends.iter().map(Vec::as_slice).eq(space.ends());
         let finest = space.lattices.last().map_or(0.0, |finest| finest.voxel);
-        Some(Before { kept: self, concerned, tolerance: TOLERANCE * finest })
+        Some(Before { kept: self, concerned, is_same, tolerance: TOLERANCE * finest })
     }
 
     /// What is to be kept of fields, which give it away; `metric` is the one that lengths were
@@ -216,6 +219,8 @@ impl<'a> Making<'a> {
     ) -> Self {
         let starts = LeafGrid::new(level.domain.low, level.domain.high);
         let settled = LeafSet::new(&starts);
+        // On the first level everything hangs together, and nothing is interpolated.
+        let before = before.filter(|before| number > 0 || before.is_same);
         let kept =
             before.and_then(|before| Some((before, before.level(label, number, &level.lattice)?)));
         let (tolerance, concerned) = match kept {

@@ -204,9 +204,12 @@ impl<'a> Solver<'a> {
         let all: Vec<[i32; 3]> = self.levels[number].grid.all_places().collect();
         let samples = &self.scene.samples[number];
         let is_soft = self.scene.original.is_none();
-        // Where all begins nothing is interpolated.
-        let mut making = self.making(number).filter(|_| number > 0);
+        let mut making = self.making(number);
         let leaves = enter(&mut making, all, &mut self.levels[number].grid);
+        if leaves.is_empty() {
+            self.keep(making);
+            return Ok(());
+        }
         let near = self.leaves_before(number, &leaves);
         let samples = self.samples_near(number, samples, &near);
         let targets = is_soft.then(|| self.soft_targets(number, &samples));
