@@ -18,8 +18,8 @@ use transect::complex::Complex;
 use transect::context::Context;
 use transect::error::{Error, Result};
 use transect::field::{Adapter, Boundaries, Cpu, Device, Field, Gpu, Queries, Reference, Run};
+use transect::grid::frame::Frame;
 use transect::grid::lattice::Resolution;
-use transect::grid::samples::Lattice;
 use transect::io;
 use transect::label::Label;
 use transect::mask::{Blobs, Mask, mask};
@@ -269,9 +269,8 @@ fn rates(name: &str, complex: &Complex) -> Result<()> {
 
 /// One row of the table of the variational solver's backends.
 fn solver_rates(name: &str, model: &Model) -> Result<()> {
-    let bounds = complex(model)?.bounds();
-    let lattice = Lattice::new(bounds, SOLVER_VOXELS)?;
-    let trial = Trial::new(&model.sections().sections, bounds, &lattice, &Variational::default())?;
+    let frame = Frame::new(complex(model)?.bounds(), SOLVER_VOXELS)?;
+    let trial = Trial::new(&model.sections().sections, &frame, &Variational::default())?;
     print!("{name:<22}{:>14}", trial.unknowns());
     for (device, times) in [(Device::Cpu, 3), (Device::Gpu, 1)] {
         match trial.run(device, times) {

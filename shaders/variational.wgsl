@@ -62,6 +62,8 @@ struct State {
     goal: f32,
     // What the next stage multiplies by.
     factor: f32,
+    // What is added to the diagonal.
+    hold: f32,
     // So many of these there are.
     count: u32,
     directions: array<Direction, 6>,
@@ -333,6 +335,8 @@ fn apply(
         out[1] += pull(at[1], first, end);
         workgroupBarrier();
     }
+    out[0] += state.hold * nearby[at[0]];
+    out[1] += state.hold * nearby[at[1]];
     out[0] = select(0.0, out[0], is_free(leaf, nodes[0]));
     out[1] = select(0.0, out[1], is_free(leaf, nodes[1]));
     product[leaf * NODES + nodes[0]] = out[0];

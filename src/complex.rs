@@ -4,6 +4,7 @@
 mod check;
 mod editor;
 mod locate;
+mod same;
 #[cfg(test)]
 mod tests;
 

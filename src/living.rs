@@ -11,6 +11,9 @@ use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::Section;
 
+/// In place of a cell that there is no more, or was not.
+const GONE: u32 = u32::MAX - 1;
+
 /// A complex that follows sections, and samples that follow it.
 pub(crate) struct Living {
     editor: Editor,
@@ -22,19 +25,57 @@ pub(crate) struct Living {
     touched: BTreeSet<u32>,
 }
 
+/// What is kept follows sections in a box, on a lattice over it. Returns it with the number of
+/// cells that are others than before.
+///
+/// # Errors
+/// When the box has no volume, or as [`Editor::add`]; then all is as it was.
+pub(crate) fn follow<'a>(
+    kept: &'a mut Option<Living>,
+    sections: &[Section],
+    (bounds, border): (Bounds, Label),
+    lattice: &Lattice,
+) -> Result<(&'a mut Living, usize)> {
+    let is_there = |living: &Living| {
+        living.complex().bounds() == bounds && living.complex().border() == border
+    };
+    if let Some(living) = kept.take_if(|living| is_there(living)) {
+        let living = kept.insert(living);
+        let touched = living.follow(sections)?;
+        return Ok((living, touched));
+    }
+    let mut living = Living::new(bounds, border)?;
+    let all = living.follow(sections)?;
+    let same = kept.as_ref().map_or(0, |was| living.take_over(was, lattice));
+    Ok((kept.insert(living), all - same))
+}
+
 impl Living {
     /// A box without sections.
     ///
     /// # Errors
     /// When it has no volume.
-    pub fn new(bounds: Bounds, border: Label) -> Result<Self> {
+    fn new(bounds: Bounds, border: Label) -> Result<Self> {
         let (drawn, kept, touched) = Default::default();
         Ok(Self { editor: Editor::new(bounds, border)?, drawn, kept, touched })
     }
 
-    /// Whether the box and the label of its faces are these.
-    pub fn is_in(&self, bounds: Bounds, border: Label) -> bool {
-        self.complex().bounds() == bounds && self.complex().border() == border
+    /// Takes over what was sampled in cells of another box that are here, too, and returns how
+    /// many these are.
+    fn take_over(&mut self, was: &Self, lattice: &Lattice) -> usize {
+        let same = was.complex().same_cells(self.complex());
+        let by = was
+            .kept
+            .as_ref()
+            .and_then(|kept| Some((kept, kept.samples.lattice.leaves_to(lattice)?)));
+        let Some((kept, by)) = by else { return same.len() };
+        let number = |cell: u32| match same.get(&cell) {
+            Some(&cell_here) if !was.touched.contains(&cell) => cell_here,
+            _ => GONE,
+        };
+        self.kept = Some(kept.moved(by, lattice, number, GONE));
+        self.touched = BTreeSet::from([GONE]);
+        same.len()
     }
 
     /// The cells.
@@ -47,7 +88,7 @@ impl Living {
     ///
     /// # Errors
     /// As [`Editor::add`]; then all is as it was.
-    pub fn follow(&mut self, sections: &[Section]) -> Result<usize> {
+    fn follow(&mut self, sections: &[Section]) -> Result<usize> {
         let is_first = self.drawn.is_empty();
         let edited = self.edit(sections).and_then(|drawn| Ok((drawn, self.editor.commit()?)));
         let (drawn, touched) = edited.inspect_err(|_| self.editor.rollback())?;

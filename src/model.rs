@@ -4,6 +4,7 @@
 //! Only [`Model::take`], and with it [`Model::apply`] and [`Model::undo`], changes a model,
 //! all or nothing.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, PoisonError};
 
@@ -14,12 +15,13 @@ use crate::complex::Complex;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
+use crate::grid::frame::Frame;
 use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_memory;
 use crate::grid::samples::{Lattice, Samples};
 use crate::grid::sampling::{Margin, Starts, sample, sample_again};
 use crate::label::Label;
-use crate::living::Living;
+use crate::living::{self, Living};
 use crate::mesh::Mesh;
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::dual::{KeptBlocks, dual_again};
@@ -61,8 +63,11 @@ pub struct Options {
     /// How fine the grid is.
     pub resolution: Resolution,
     /// The box that is filled; no contour may leave it. Without one it follows from the
-    /// sections, anew with every change. In a given box the mean-value field is evaluated, and
-    /// the variational field solved for, only where a change concerns it.
+    /// sections, anew with every change.
+    ///
+    /// The mean-value field is evaluated, and the variational field solved for, only where a
+    /// change concerns it if the grid's nodes stay where they are: in a given box, and in one
+    /// that follows the sections if the size of voxels is given and the box is closed.
     pub bounds: Option<Bounds>,
 }
 
@@ -219,12 +224,8 @@ impl Model {
         let Context { rules, stages, progress } = context;
         let sections = given.merged(rules)?;
         let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // Where the box follows the sections, fields leave nothing behind: the same sections make
-        // the same then, to the last bit, whatever was before.
-        let keeps = self.options.bounds.is_some();
         let before = self.derived.as_ref();
-        let derive =
-            |sections| derive(sections, &self.options, (keeps, lasting), before, stages, *progress);
+        let derive = |sections| derive(sections, &self.options, lasting, before, stages, *progress);
         let derived = sections.as_ref().map(derive).transpose()?;
         keep()?;
         self.derived = derived;
@@ -288,6 +289,20 @@ impl Model {
     }
 }
 
+impl Derived {
+    /// The samples and what is kept of their mesh, their leaves named as those of a lattice;
+    /// `None` where they have none in common, or nothing is kept.
+    fn on(&self, lattice: Lattice) -> Option<(Cow<'_, Samples>, Cow<'_, KeptBlocks>)> {
+        let by = self.samples.lattice.leaves_to(&lattice).filter(|_| !self.blocks.is_empty())?;
+        Some(match self.samples.lattice == lattice {
+            true => (Cow::Borrowed(&self.samples), Cow::Borrowed(&self.blocks)),
+            false => {
+                (Cow::Owned(self.samples.moved(by, lattice)), Cow::Owned(self.blocks.moved(by)))
+            }
+        })
+    }
+}
+
 /// The box in which the surface closes.
 ///
 /// # Errors
@@ -334,11 +349,30 @@ fn require_within(sections: &Sections, bounds: Bounds) -> Result<Bounds> {
     Ok(bounds)
 }
 
+/// The box, given or that of the sections, and the grid over it. That of an open box ends on its
+/// faces, and the exact surface has none.
+///
+/// # Errors
+/// As [`require_within`], [`bounds_of`] and [`Lattice::new`](crate::grid::samples::Lattice::new).
+fn frame(sections: &Sections, options: &Options) -> Result<Frame> {
+    let border = match options.method {
+        Method::Variational(Variational { border, .. }) => Some(border),
+        Method::MeanValue(MeanValue { border, .. }) => Some(border),
+        Method::Skeleton(_) => None,
+    };
+    match (options.bounds, options.resolution, border) {
+        (Some(bounds), resolution, _) => Frame::new(require_within(sections, bounds)?, resolution),
+        (None, Resolution::VoxelSize(voxel), Some(Label::OUTSIDE)) => {
+            Frame::fixed(bounds_of(sections)?, voxel)
+        }
+        (None, resolution, _) => Frame::new(bounds_of(sections)?, resolution),
+    }
+}
+
 /// What methods derive from.
 struct Ground<'a> {
     sections: &'a [Section],
-    bounds: Bounds,
-    lattice: Lattice,
+    frame: Frame,
     /// Whether what is derived is to be kept for the next change.
     keeps: bool,
     /// What was derived from the sections as they were.
@@ -349,18 +383,17 @@ struct Ground<'a> {
 fn derive(
     sections: &Sections,
     options: &Options,
-    (keeps, lasting): (bool, &mut Lasting),
+    lasting: &mut Lasting,
     before: Option<&Derived>,
     stages: &mut Stages,
     progress: &dyn Progress,
 ) -> Result<Derived> {
-    let bounds = match options.bounds {
-        Some(bounds) => require_within(sections, bounds)?,
-        None => bounds_of(sections)?,
-    };
-    let lattice = Lattice::new(bounds, options.resolution)?;
-    require_memory(&lattice, &sections.sections, sections.materials.len())?;
-    let ground = Ground { sections: &sections.sections, bounds, lattice, keeps, before };
+    let frame = frame(sections, options)?;
+    require_memory(&frame.lattice, &sections.sections, sections.materials.len())?;
+    // Where the nodes follow the box, fields leave nothing behind: the same sections make the
+    // same then, to the last bit, whatever was before.
+    let keeps = options.bounds.is_some() || frame.is_fixed;
+    let ground = Ground { sections: &sections.sections, frame, keeps, before };
     match &options.method {
         Method::Variational(method) => ground.solve(method, &mut lasting.fields, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
@@ -377,17 +410,10 @@ impl Ground<'_> {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
-        let Self { sections, bounds, lattice, keeps, .. } = self;
-        let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
+        let Self { sections, frame, keeps, .. } = self;
+        let capping = Capping::new(sections, method.caps, method.border, frame.lattice.voxel)?;
         let (mut samples, device) = stages.run("field", |counts| {
-            let solved = variational(
-                &capping.sections,
-                *bounds,
-                lattice,
-                method,
-                (*keeps, fields),
-                progress,
-            )?;
+            let solved = variational(&capping.sections, frame, method, (*keeps, fields), progress)?;
             counts.insert("leaves".into(), solved.samples.valued.len() as u64);
             counts.insert("unknowns".into(), solved.effort.unknowns);
             counts.insert("updates".into(), solved.effort.updates);
@@ -407,21 +433,18 @@ impl Ground<'_> {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
-        let Self { sections, bounds, lattice, .. } = self;
+        let Self { sections, frame, .. } = self;
+        let Frame { bounds, lattice, .. } = frame;
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let sections = capping.sections.as_ref();
-        let kept = lasting.cells.take().filter(|living| living.is_in(*bounds, method.border));
-        let living = lasting.cells.insert(match kept {
-            Some(living) => living,
-            None => Living::new(*bounds, method.border)?,
-        });
-        stages.run("arrangement", |counts| {
+        let living = stages.run("arrangement", |counts| {
             progress.go_on()?;
             progress.begin("arrangement", 0);
-            let touched = living.follow(sections)?;
+            let (living, touched) =
+                living::follow(&mut lasting.cells, sections, (*bounds, method.border), lattice)?;
             count(living.complex(), counts);
             counts.insert("touched".into(), touched as u64);
-            Ok(())
+            Ok(living)
         })?;
         let complex = living.complex();
         let boundaries = stages.run("completion", |counts| {
@@ -456,7 +479,7 @@ impl Ground<'_> {
         let mut samples = stages.run("smoothing", |counts| {
             let smoothing = (self.keeps, &mut lasting.smoothing);
             let solved =
-                smoothed(&kept.samples, sections, *bounds, method.smooth, smoothing, progress)?;
+                smoothed(&kept.samples, sections, frame, method.smooth, smoothing, progress)?;
             counts.insert("unknowns".into(), solved.effort.unknowns);
             counts.insert("updates".into(), solved.effort.updates);
             counts.insert("specks".into(), solved.specks);
@@ -482,7 +505,7 @@ impl Ground<'_> {
         stages.run("caps", |counts| {
             progress.go_on()?;
             progress.begin("caps", 0);
-            let specks = capping.cut(samples, self.sections, self.bounds);
+            let specks = capping.cut(samples, self.sections, self.frame.bounds);
             counts.insert("leaves".into(), samples.valued.len() as u64);
             counts.insert("specks".into(), specks as u64);
             debug_assert_eq!(samples.sanity_check(), Ok(()));
@@ -500,7 +523,7 @@ impl Ground<'_> {
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
-        let Self { sections, bounds, lattice, .. } = self;
+        let Self { sections, frame: Frame { bounds, lattice, .. }, .. } = self;
         let mut made = stages.run("skeleton", |counts| {
             let made = surfaces.follow(sections, *bounds, &method.exactness, progress)?;
             counts.insert("cells".into(), made.details.cells.into());
@@ -554,9 +577,8 @@ impl Ground<'_> {
             progress.go_on()?;
             let (mesh, blocks) = match mesher {
                 Mesher::Dual => {
-                    let before = self.before.map(|before| (&before.samples, &before.blocks));
-                    // Without blocks everything is to be made anew.
-                    let before = before.filter(|(_, blocks)| !blocks.is_empty());
+                    let before = self.before.and_then(|before| before.on(samples.lattice));
+                    let before = before.as_ref().map(|(samples, blocks)| (&**samples, &**blocks));
                     dual_again(samples, before, progress)?
                 }
                 Mesher::Delaunay(limits) => {

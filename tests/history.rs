@@ -20,6 +20,13 @@ use transect::plane::{Bounds, Plane};
 use transect::section::{Overlap, Rules, Section, Sections};
 
 const BOX: Bounds = Bounds { min: DVec3::splat(-1.5), max: DVec3::splat(1.5) };
+/// How fine the grid is, and the box.
+type Space = (Resolution, Option<Bounds>);
+const GIVEN: Space = (Resolution::Voxels(24), Some(BOX));
+/// Anew with every change.
+const FOLLOWING: Space = (Resolution::Voxels(24), None);
+/// On a grid that stays.
+const GROWING: Space = (Resolution::VoxelSize(0.0625), None);
 /// Changes of one sequence.
 const CHANGES: usize = 7;
 
@@ -78,8 +85,7 @@ fn section(random: &mut Random, number: usize, last: Option<Plane>) -> Section {
     builder.build(&rules()).expect("a section").0
 }
 
-fn model(method: Method, bounds: Option<Bounds>) -> Model {
-    let resolution = Resolution::Voxels(24);
+fn model(method: Method, (resolution, bounds): Space) -> Model {
     Model::new(Options { method, resolution, bounds })
 }
 
@@ -120,7 +126,7 @@ fn at_once(living: &Model) -> Option<Model> {
 /// `TRANSECT_SEQUENCES=N` N sequences, from the same one on.
 fn follow(
     method: Method,
-    bounds: Option<Bounds>,
+    space: Space,
     seeds: Range<u64>,
     same: impl Fn(&Model, &Model) -> Result<(), String>,
 ) {
@@ -129,7 +135,7 @@ fn follow(
     let (mut compared, mut wrong) = (0, Vec::new());
     for seed in seeds.clone() {
         let mut random = Random::new(seed);
-        let mut living = model(method, bounds);
+        let mut living = model(method, space);
         for number in 0..CHANGES {
             if !change(&mut random, &mut living, number) || living.derived().is_none() {
                 continue;
@@ -186,12 +192,15 @@ fn same_surfaces(one: &Model, other: &Model) -> Result<(), String> {
 #[test]
 fn of_the_mean_value_field() {
     let method = Method::MeanValue(MeanValue { smooth: 0.0, ..MeanValue::default() });
-    follow(method, Some(BOX), 0..100, same_values);
+    follow(method, GIVEN, 0..100, same_values);
+    follow(method, GROWING, 100..140, same_values);
 }
 
 #[test]
 fn of_the_variational_field() {
-    follow(Method::Variational(Variational::default()), Some(BOX), 0..15, same_surfaces);
+    let method = Method::Variational(Variational::default());
+    follow(method, GIVEN, 0..15, same_surfaces);
+    follow(method, GROWING, 15..25, same_surfaces);
 }
 
 /// All that is said, to the last bit.
@@ -205,10 +214,10 @@ fn same_exactly(one: &Model, other: &Model) -> Result<(), String> {
 
 #[test]
 fn of_the_skeleton() {
-    follow(Method::Skeleton(Skeleton::default()), Some(BOX), 0..10, same_exactly);
+    follow(Method::Skeleton(Skeleton::default()), GIVEN, 0..10, same_exactly);
 }
 
 #[test]
 fn of_the_skeleton_in_a_box_that_follows() {
-    follow(Method::Skeleton(Skeleton::default()), None, 20..25, same_exactly);
+    follow(Method::Skeleton(Skeleton::default()), FOLLOWING, 20..25, same_exactly);
 }

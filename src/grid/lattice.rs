@@ -1,5 +1,7 @@
 //! Where the grid's nodes are.
 
+use glam::DVec3;
+
 use crate::error::{Error, Remedy, Result};
 use crate::label::Label;
 use crate::plane::Bounds;
@@ -18,6 +20,8 @@ pub enum Resolution {
 /// Nodes stand half a voxel off the box's faces: planes that divide the box
 /// evenly then pass between nodes.
 const OFFSET: f64 = 0.5;
+/// By so much of a leaf two may differ and be the same.
+const ROUNDING: f64 = 1e-3;
 
 impl Lattice {
     /// The lattice over a box, with its outermost nodes outside.
@@ -27,11 +31,29 @@ impl Lattice {
     /// a size, or more nodes along an axis than 32 bits can count.
     pub fn new(bounds: Bounds, resolution: Resolution) -> Result<Self> {
         let voxel = voxel_size(bounds, resolution)?;
-        let origin = bounds.min - OFFSET * voxel;
+        Self::from(bounds.min - OFFSET * voxel, bounds, voxel)
+    }
+
+    /// A lattice over a box, with its outermost nodes outside, that has leaves in common with
+    /// those over other boxes: the leaves of voxels of one size are the same everywhere.
+    ///
+    /// # Errors
+    /// As [`Lattice::new`].
+    pub fn fixed(bounds: Bounds, voxel: f64) -> Result<Self> {
+        let voxel = voxel_size(bounds, Resolution::VoxelSize(voxel))?;
+        let side = LEAF_SIDE as f64;
+        let first = ((bounds.min / voxel - OFFSET) / side).ceil() - 1.0;
+        let mut lattice = Self::from((first * side + OFFSET) * voxel, bounds, voxel)?;
+        lattice.dims = lattice.leaf_dims().map(|leaves| leaves * LEAF_SIDE as i32);
+        Ok(lattice)
+    }
+
+    /// From a first node on to the first ones beyond a box.
+    fn from(origin: DVec3, bounds: Bounds, voxel: f64) -> Result<Self> {
         let mut dims = [0; 3];
-        for (nodes, size) in dims.iter_mut().zip(bounds.size().to_array()) {
+        for (nodes, size) in dims.iter_mut().zip((bounds.max - origin).to_array()) {
             // The smallest whole number of voxels that leads past the box.
-            let last = (size / voxel + OFFSET).floor() + 1.0;
+            let last = (size / voxel).floor() + 1.0;
             if last > f64::from(i32::MAX - 2 * LEAF_SIDE as i32) {
                 let what = format!(
                     "voxels of {voxel} are too small for a box of {size}: the grid would have \
@@ -42,6 +64,16 @@ impl Lattice {
             *nodes = last as i32 + 1;
         }
         Ok(Self { origin, voxel, dims })
+    }
+
+    /// What leads from a leaf of this lattice to the same one of another; `None` when they
+    /// have none in common.
+    pub fn leaves_to(&self, other: &Self) -> Option<[i32; 3]> {
+        let apart = (self.origin - other.origin) / (LEAF_SIDE as f64 * self.voxel);
+        let is_whole = apart.abs_diff_eq(apart.round(), ROUNDING);
+        let is_near = apart.abs().max_element() < f64::from(i32::MAX / 2);
+        let is_same = self.voxel == other.voxel && is_whole && is_near;
+        is_same.then(|| apart.round().to_array().map(|along| along as i32))
     }
 
     /// How many leaves there are; saturates.
@@ -94,8 +126,6 @@ fn voxel_size(bounds: Bounds, resolution: Resolution) -> Result<f64> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
 
     fn bounds(size: DVec3) -> Bounds {
@@ -117,6 +147,36 @@ mod tests {
                 assert!(before.cmple(bounds.max).all());
             }
         }
+    }
+
+    #[test]
+    fn fixed_lattices_have_leaves_in_common() {
+        for voxel in [0.31, 1.0, 1e-3 / 3.0] {
+            let lattices = [0.0, 1.3, -2.5, 700.0].map(|shift| {
+                let bounds = bounds(DVec3::new(10.0, 4.0, 3.3 + shift / 100.0));
+                let shift = DVec3::new(shift, -shift, 8.0 * voxel);
+                let bounds = Bounds { min: bounds.min + shift, max: bounds.max + shift };
+                let lattice = Lattice::fixed(bounds, voxel).unwrap();
+                let last = lattice.position(lattice.dims.map(|nodes| nodes - 1));
+                assert!(lattice.origin.cmplt(bounds.min).all() && last.cmpgt(bounds.max).all());
+                // A leaf more than needed is one too many.
+                let side = 8.0 * voxel;
+                assert!((bounds.min - lattice.origin).max_element() <= side * 1.001);
+                assert!((last - bounds.max).max_element() <= side * 1.001);
+                lattice
+            });
+            for other in &lattices[1..] {
+                let by = lattices[0].leaves_to(other).unwrap();
+                let there = other.position(by.map(|along| 8 * along));
+                assert!(there.abs_diff_eq(lattices[0].origin, 1e-9), "{by:?}");
+            }
+        }
+        let [one, other] = [1.0, 1.5].map(|z| {
+            Lattice::new(bounds(DVec3::new(1.0, 1.0, z)), Resolution::Voxels(16)).unwrap()
+        });
+        assert_eq!((one.leaves_to(&one), one.leaves_to(&other)), (Some([0; 3]), None));
+        let aside = Lattice { origin: one.origin + one.voxel, ..one };
+        assert_eq!(one.leaves_to(&aside), None);
     }
 
     #[test]

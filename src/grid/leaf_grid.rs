@@ -163,6 +163,16 @@ impl LeafGrid {
         self.values.truncate(kept * LEAF_NODES);
     }
 
+    /// The same leaves under other names, `by` farther on, for nodes from `low` up to, and
+    /// without, `high`: those that may not be there then are left out.
+    pub fn moved(&self, by: [i32; 3], low: [i32; 3], high: [i32; 3]) -> Self {
+        let mut moved = Self::new(low, high);
+        for (leaf, values) in self.leaves.iter().zip(self.values.as_chunks().0) {
+            moved.insert(leaf_after(*leaf, by), values);
+        }
+        moved
+    }
+
     /// Gives back the memory that others would be added in.
     pub fn shrink_to_fit(&mut self) {
         self.values.shrink_to_fit();
@@ -280,6 +290,11 @@ pub fn leaf_of(node: [i32; 3]) -> [i32; 3] {
     node.map(|along| along.div_euclid(SIDE))
 }
 
+/// The leaf so many leaves farther on.
+pub fn leaf_after(leaf: [i32; 3], by: [i32; 3]) -> [i32; 3] {
+    std::array::from_fn(|axis| leaf[axis] + by[axis])
+}
+
 /// The 27 leaves around a leaf, itself in the middle: x slowest, z fastest.
 pub fn around([x, y, z]: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
     (0..27).map(move |step| [x + step / 9 - 1, y + step / 3 % 3 - 1, z + step % 3 - 1])
@@ -344,6 +359,18 @@ mod tests {
         some.insert([1, 0, 2], &[3.0; LEAF_NODES]);
         assert_eq!((some.slot([1, 0, 2]), some.value([8, 0, 16])), (32, Some(3.0)));
         assert_eq!(some.value([0, 0, 0]), Some(number([0, 0, 0])));
+    }
+
+    #[test]
+    fn leaves_move() {
+        let all = grid([1, 0, 2]);
+        let moved = all.moved([2, -1, 0], [0; 3], [24, 16, 24]);
+        for leaf in moved.all_places() {
+            let was = leaf_after(leaf, [-2, 1, 0]);
+            assert_eq!(moved.get(leaf), all.get(was), "{leaf:?}");
+        }
+        // Along y leaves 1 and 2 stayed, along z those from 0 on, along x −1 and 0.
+        assert_eq!(moved.leaves().len(), 2 * 2 * 3);
     }
 
     #[test]

@@ -1,14 +1,15 @@
 //! The grid: the field sampled sparsely, in leaves as OpenVDB has them.
 //!
 //! ```text
-//! lattice ─► contour (voxels that contours pass) ─► sampling ─► samples
-//!                                                  mesh ─► distance (level sets)
+//! frame ─► lattice ─► contour (voxels that contours pass) ─► sampling ─► samples
+//!                                                           mesh ─► distance (level sets)
 //! ```
 
 pub mod clip;
 pub mod contour;
 pub mod distance;
 pub mod evidence;
+pub mod frame;
 pub(crate) mod invariant;
 pub mod labels;
 pub mod lattice;

@@ -8,7 +8,7 @@ use crate::label::Label;
 use crate::plane::Bounds;
 
 use super::leaf::{Leaf, LeafMut, LeafNodes, LeafOf, LeafValues, NewLeaf};
-use super::leaf_grid::LeafGrid;
+use super::leaf_grid::{LeafGrid, leaf_after};
 
 /// Nodes of a leaf along each axis, as in OpenVDB.
 pub const LEAF_SIDE: usize = 8;
@@ -160,6 +160,27 @@ impl Samples {
             self.fields.insert(place, LabelValues { label, grid });
         }
         &mut self.fields[place].grid
+    }
+
+    /// The same on another lattice, on which leaves are `by` farther on; those that it does not
+    /// have are left out, and where there was none it is outside.
+    pub fn moved(&self, by: [i32; 3], lattice: Lattice) -> Self {
+        let tile = |index| {
+            let was = leaf_after(lattice.leaf_at(index), by.map(|along| -along));
+            self.lattice.tile(&self.tiles, was)
+        };
+        let field = |field: &LabelValues| LabelValues {
+            label: field.label,
+            grid: field.grid.moved(by, [0; 3], lattice.dims),
+        };
+        let valued = self.valued.iter().map(|&leaf| leaf_after(leaf, by));
+        Self {
+            lattice,
+            valued: valued.filter(|&leaf| lattice.has_leaf(leaf)).collect(),
+            fields: self.fields.iter().map(field).collect(),
+            tiles: (0..lattice.leaf_count() as usize).map(tile).collect(),
+            ..*self
+        }
     }
 
     /// Takes the values of leaves away; they are then what their tiles are.

@@ -70,10 +70,13 @@ impl Patches {
 
     /// Becomes the patches of a surface as it is now, and says which are others than before.
     /// What moved by less than a hundredth of a voxel stays as it was told, so that small
-    /// changes do not add up. On another lattice all patches are others.
+    /// changes do not add up. Where a lattice has leaves in common with the one that it was
+    /// first, they keep their names; on another all patches are others.
     pub fn follow(&mut self, mesh: &Mesh, lattice: Lattice) -> ChangedPatches {
+        let first = self.lattice.filter(|first| first.leaves_to(&lattice).is_some());
+        let lattice = first.unwrap_or(lattice);
         let mut next = Self::new(mesh, lattice);
-        let is_on_it = self.lattice == next.lattice;
+        let is_on_it = first.is_some();
         let mut was = std::mem::take(&mut self.parts);
         let still = STILL * lattice.voxel;
         let mut changes = ChangedPatches {

@@ -129,7 +129,7 @@ impl Assembly<'_> {
             (!grid.leaves().is_empty()).then_some(LabelValues { label, grid })
         };
         let fields = fields.into_par_iter().filter_map(own).collect();
-        let open = scene.is_open.then_some(scene.space.bounds);
+        let open = scene.is_open.then_some(scene.space.frame.bounds);
         Samples { lattice, valued, fields, tiles, open, values: Values::Distances }
     }
 }

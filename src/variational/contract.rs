@@ -77,16 +77,23 @@ pub struct Case {
     domain: Option<Domain>,
     pulls: Vec<Pull>,
     directions: Vec<Direction>,
+    hold: f32,
 }
+
+/// Where nodes are held.
+const START: f32 = 0.25;
 
 impl Case {
     pub fn system(&self) -> System {
         let is_free = |node| self.free.contains(&node);
-        System::new(self.leaves.clone(), is_free, self.domain, &self.pulls, &self.directions)
+        let leaves = self.leaves.clone();
+        let system = System::new(leaves, is_free, self.domain, &self.pulls, &self.directions);
+        System { hold: self.hold, ..system }
     }
 
     fn reference(&self) -> Reference {
-        Reference::new(&self.free, self.domain, &self.pulls, &self.directions)
+        let held = (self.hold, START);
+        Reference::new(&self.free, self.domain, &self.pulls, &self.directions, held)
     }
 
     /// A vector as backends have it.
@@ -173,20 +180,25 @@ fn cases_along(directions: &[Direction]) -> Vec<Case> {
         domain: None,
         pulls: all,
         directions: directions(),
+        hold: 0.0,
     });
     // A closed box whose nodes from (−1, 2, 3) on are free, but for some.
     let leaves: Vec<Node> = cube([-1, 0, 0], 0, 2).collect();
     let wanted = inside([-1, 2, 3], [7, 11, 15]);
-    let free = within(&leaves, &|node| wanted(node) && (node[0] + 2 * node[1] + node[2]) % 5 != 0);
+    let free: BTreeSet<Node> =
+        within(&leaves, &|node| wanted(node) && (node[0] + 2 * node[1] + node[2]) % 5 != 0);
     let all = pulls(&mut random, 100, [-1, 2, 3], [7, 11, 15]);
-    cases.push(Case {
-        name: "closed box",
-        leaves,
-        free,
-        domain: None,
-        pulls: all,
-        directions: directions(),
-    });
+    for (name, hold) in [("closed box", 0.0), ("held nodes", 0.7)] {
+        cases.push(Case {
+            name,
+            leaves: leaves.clone(),
+            free: free.clone(),
+            domain: None,
+            pulls: all.clone(),
+            directions: directions(),
+            hold,
+        });
+    }
     // A natural boundary on all sides, and nothing that pulls; the energy is 0 for
     // linear functions there.
     let boxes: [(_, Node, Node, _); 4] = [
@@ -207,6 +219,7 @@ fn cases_along(directions: &[Direction]) -> Vec<Case> {
             domain: Some(Domain { low, high }),
             pulls,
             directions: directions(),
+            hold: 0.0,
         });
     }
     cases
@@ -329,7 +342,9 @@ fn the_residual_is_the_references() {
         let x = values(all.iter().copied(), 7);
         let flat: Vec<f32> = all.iter().map(|node| x[node] as f32).collect();
         grid.values_mut().copy_from_slice(&flat);
-        let found = residual(&case.system(), &grid);
+        let mut starts = grid.clone();
+        starts.values_mut().fill(START);
+        let found = residual(&case.system(), &grid, &starts);
         let magnitude = reference.magnitude(&x);
         let off = case.difference(&found, &reference.residual(&x), &|node| magnitude[&node]);
         assert!(off < ROUNDING, "{}: {off}", case.name);

@@ -82,6 +82,10 @@ fn apply(system: &System, leaf: usize, values: &[f32], out: &mut Nodes) -> f64 {
         let [weights, _] = anchors.of(leaf);
         add_anchors(&patch, |node, value| weights[node] * value, out);
     }
+    if system.hold > 0.0 {
+        let values = &values.as_chunks::<LEAF_NODES>().0[leaf];
+        out.iter_mut().zip(values).for_each(|(out, value)| *out += system.hold * value);
+    }
     keep_free(&system.free[leaf], out);
     dot(&values.as_chunks::<LEAF_NODES>().0[leaf], out)
 }
@@ -144,8 +148,9 @@ const LAYERS: [(usize, Range<usize>, usize); 3] = [
 ];
 
 /// What is left of the right-hand side: b − A x in the free nodes, leaf by leaf,
-/// for the values x of a grid that holds all that the stencil reaches.
-pub fn residual(system: &System, grid: &LeafGrid) -> Vec<f32> {
+/// for the values x of a grid that holds all that the stencil reaches; `starts` are the values
+/// where nodes are held.
+pub fn residual(system: &System, grid: &LeafGrid, starts: &LeafGrid) -> Vec<f32> {
     let mut residual = vec![0.0; system.leaves.len() * LEAF_NODES];
     let leaves = residual.as_chunks_mut::<LEAF_NODES>().0;
     leaves.par_iter_mut().enumerate().with_min_len(FEW).for_each(|(leaf, out)| {
@@ -161,6 +166,9 @@ pub fn residual(system: &System, grid: &LeafGrid) -> Vec<f32> {
         if let Some(anchors) = &system.anchors {
             let [weights, targets] = anchors.of(leaf);
             add_anchors(&patch, |node, value| weights[node] * (value - targets[node]), out);
+        }
+        if let Some(starts) = starts.get(at).filter(|_| system.hold > 0.0) {
+            add_anchors(&patch, |node, value| system.hold * (value - starts[node]), out);
         }
         out.iter_mut().for_each(|value| *value = -*value);
         keep_free(&system.free[leaf], out);
@@ -180,6 +188,7 @@ pub fn inverse_diagonal(system: &System) -> Vec<f32> {
             let [weights, _] = anchors.of(leaf);
             out.iter_mut().zip(weights).for_each(|(out, weight)| *out += weight);
         }
+        out.iter_mut().for_each(|value| *value += system.hold);
         out.iter_mut().for_each(|value| *value = if *value > 0.0 { 1.0 / *value } else { 0.0 });
         keep_free(&system.free[leaf], out);
     });

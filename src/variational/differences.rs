@@ -15,10 +15,11 @@ use super::plane_samples::{PlaneSample, Region, plane_samples};
 /// [`REACH`].
 const APART: f64 = 2.0;
 
-/// The leaves of a level near which sections that went and others that came differ.
+/// The leaves of a level near which sections that went and others that came differ; `space` is
+/// that of [`plane_samples`].
 pub fn mark_differences(
     [went, came]: &[Vec<Section>; 2],
-    bounds: Bounds,
+    space: (Bounds, DVec3),
     level: &Level,
     marked: &mut LeafSet,
 ) {
@@ -31,7 +32,7 @@ pub fn mark_differences(
         }
     };
     let sampled = |section: &Section, spacing: f64| {
-        plane_samples(std::slice::from_ref(section), bounds, spacing, Region::Everywhere)
+        plane_samples(std::slice::from_ref(section), space, spacing, Region::Everywhere)
     };
     let mut went: Vec<&Section> = went.iter().collect();
     for section in came {
@@ -113,7 +114,7 @@ mod tests {
         let level = Level::new(Lattice::new(BOX, Resolution::Voxels(64)).unwrap(), false);
         let mut marked = LeafSet::new(&level.grid);
         let changed = [went, came].map(|section| section.into_iter().cloned().collect());
-        mark_differences(&changed, BOX, &level, &mut marked);
+        mark_differences(&changed, (BOX, DVec3::ZERO), &level, &mut marked);
         marked.sorted()
     }
 

@@ -21,11 +21,12 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
+use crate::grid::frame::Frame;
 use crate::grid::leaf::LeafNodes;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
 use crate::grid::samples::{LEAF_NODES, Lattice};
 use crate::label::Label;
-use crate::plane::{Bounds, Plane};
+use crate::plane::Plane;
 use crate::section::Section;
 
 use super::Space;
@@ -47,9 +48,9 @@ pub const REACH: i32 = 3;
 /// What the fields of all labels keep.
 #[derive(Debug)]
 pub struct Kept {
-    /// What they were made from, and the box that they fill.
+    /// What they were made from, and where.
     sections: Vec<Section>,
-    bounds: Bounds,
+    frame: Frame,
     metric: Metric,
     /// Where solids end, on the given box and on the wide one.
     ends: [Vec<Plane>; 2],
@@ -65,7 +66,7 @@ struct KeptField {
 }
 
 /// The leaves of one level that were solved for.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct KeptLevel {
     /// Which level it was; how it was solved hangs on that.
     number: usize,
@@ -88,7 +89,9 @@ pub struct KeptLevel {
 /// What fields keep, as other sections see it.
 #[derive(Debug)]
 pub struct Before<'a> {
-    kept: &'a Kept,
+    metric: Metric,
+    /// Every label's levels that are there again, their leaves named as they are now.
+    levels: Vec<(Label, Cow<'a, KeptLevel>)>,
     /// For every lattice the leaves that the sections say something else about.
     concerned: Vec<LeafSet>,
     /// Whether they say the same everywhere.
@@ -98,11 +101,11 @@ pub struct Before<'a> {
 }
 
 impl Kept {
-    /// What holds for other sections; `None` in another box, where lengths are measured in
-    /// another way, and where more sections changed than stayed.
+    /// What holds for other sections; `None` in another frame that does not continue this one,
+    /// where lengths are measured in another way, and where as many sections changed as stayed.
     pub fn before(&self, scene: &Scene) -> Option<Before<'_>> {
         let &Scene { sections, space, metric, is_open, .. } = scene;
-        if !self.metric.is_near(metric) || self.bounds != space.bounds {
+        if !self.metric.is_near(metric) || !space.frame.continues(&self.frame) {
             return None;
         }
         let without = |all: &[Section], others: &[Section]| -> Vec<Section> {
@@ -110,22 +113,54 @@ impl Kept {
         };
         let changed = [without(&self.sections, sections), without(sections, &self.sections)];
         let [went, came] = changed.each_ref().map(Vec::len);
-        if 2 * went > self.sections.len() || 2 * came > sections.len() {
+        if 2 * went >= self.sections.len() || 2 * came >= sections.len() {
             return None;
         }
         let concerned = |(number, lattice): (usize, &Lattice)| {
             let level = Level::new(*lattice, is_open);
             let mut concerned = LeafSet::new(&level.grid);
-            if self.fields.iter().any(|field| field.level(number, lattice).is_some()) {
-                mark_differences(&changed, space.wide, &level, &mut concerned);
+            if let Some((was, by)) = self.level(number, lattice) {
+                mark_differences(&changed, space.sampled(lattice), &level, &mut concerned);
                 self.mark_ends(space, &level, &mut concerned);
+                mark_borders(&was.lattice, by, &level, &mut concerned);
             }
             concerned
         };
         let concerned = space.lattices.par_iter().enumerate().map(concerned).collect();
-        let is_same = went + came == 0 && self.ends.iter().map(Vec::as_slice).eq(space.ends());
-        let finest = space.lattices.last().map_or(0.0, |finest| finest.voxel);
-        Some(Before { kept: self, concerned, is_same, tolerance: TOLERANCE * finest })
+        let is_same = went + came == 0
+            && self.frame == space.frame
+            && self.ends.iter().map(Vec::as_slice).eq(space.ends());
+        let tolerance = TOLERANCE * space.frame.lattice.voxel;
+        let levels = self.levels_on(&space.lattices, is_open);
+        Some(Before { metric: self.metric, levels, concerned, is_same, tolerance })
+    }
+
+    /// A level that some field keeps and that has leaves in common with a lattice, and what
+    /// leads from its leaves to those of the lattice.
+    fn level(&self, number: usize, lattice: &Lattice) -> Option<(&KeptLevel, [i32; 3])> {
+        let mut levels = self.fields.iter().flat_map(|field| &field.levels);
+        levels.find_map(|level| Some((level, level.way_to(number, lattice)?)))
+    }
+
+    /// What all fields keep, on lattices.
+    fn levels_on<'a>(
+        &'a self,
+        lattices: &[Lattice],
+        is_open: bool,
+    ) -> Vec<(Label, Cow<'a, KeptLevel>)> {
+        let on_lattice = |level: &'a KeptLevel| {
+            let lattice = lattices.get(level.number)?;
+            let by = level.way_to(level.number, lattice)?;
+            Some(match level.lattice == *lattice {
+                true => Cow::Borrowed(level),
+                false => Cow::Owned(level.moved(by, Level::new(*lattice, is_open))),
+            })
+        };
+        let of_field = |field: &'a KeptField| {
+            let levels = field.levels.iter().filter_map(on_lattice);
+            levels.map(|level| (field.label, level)).collect::<Vec<_>>()
+        };
+        self.fields.iter().flat_map(of_field).collect()
     }
 
     /// What is to be kept of fields, which give it away; `metric` is the one that lengths were
@@ -137,7 +172,7 @@ impl Kept {
         };
         Self {
             sections: scene.sections.to_vec(),
-            bounds: scene.space.bounds,
+            frame: scene.space.frame,
             metric,
             ends: scene.space.ends().map(<[_]>::to_vec),
             fields: fields.iter_mut().map(keep).collect(),
@@ -166,21 +201,57 @@ impl Kept {
     }
 }
 
-impl KeptField {
-    fn level(&self, number: usize, lattice: &Lattice) -> Option<&KeptLevel> {
-        self.levels.iter().find(|level| level.number == number && level.lattice == *lattice)
+impl KeptLevel {
+    /// What leads from its leaves to those of a lattice, if that is the one of the same level.
+    fn way_to(&self, number: usize, lattice: &Lattice) -> Option<[i32; 3]> {
+        self.lattice.leaves_to(lattice).filter(|_| self.number == number)
+    }
+
+    /// The same for another box: leaves are named as there, and those beyond it left out.
+    fn moved(&self, by: [i32; 3], Level { lattice, domain, .. }: Level) -> Self {
+        let moved = |grid: &LeafGrid| grid.moved(by, domain.low, domain.high);
+        Self {
+            number: self.number,
+            lattice,
+            starts: moved(&self.starts),
+            values: moved(&self.values),
+            rests: moved(&self.rests),
+            seen: self.seen.as_ref().map(moved),
+            drawn_to: self.drawn_to.as_ref().map(moved),
+            size: self.size,
+        }
     }
 }
 
 impl Before<'_> {
     /// How lengths were measured when the oldest of it was solved for.
     pub fn metric(&self) -> Metric {
-        self.kept.metric
+        self.metric
     }
 
     /// What a level of a label's field keeps.
-    fn level(&self, label: Label, number: usize, lattice: &Lattice) -> Option<&KeptLevel> {
-        self.kept.fields.iter().find(|field| field.label == label)?.level(number, lattice)
+    fn level(&self, label: Label, number: usize) -> Option<&KeptLevel> {
+        let level = self.levels.iter().find(|(own, level)| *own == label && level.number == number);
+        level.map(|(_, level)| level.as_ref())
+    }
+}
+
+/// The leaves of a level with nodes that are inside the box and were not on another lattice of
+/// the level, or the other way round; `by` leads from that one's leaves to the level's.
+fn mark_borders(was: &Lattice, by: [i32; 3], level: &Level, marked: &mut LeafSet) {
+    if *was == level.lattice {
+        return;
+    }
+    for leaf in level.grid.all_places() {
+        let before = std::array::from_fn(|axis| leaf[axis] - by[axis]);
+        let are_inner = |node: usize| {
+            [was.is_inner(node_of(before, node)), level.lattice.is_inner(node_of(leaf, node))]
+        };
+        let is_inside = [0, LEAF_NODES - 1].into_iter().all(|node| are_inner(node) == [true; 2]);
+        let differs = |node: usize| are_inner(node)[0] != are_inner(node)[1];
+        if !is_inside && (0..LEAF_NODES).any(differs) {
+            marked.insert(leaf);
+        }
     }
 }
 
@@ -221,8 +292,7 @@ impl<'a> Making<'a> {
         let settled = LeafSet::new(&starts);
         // On the first level everything hangs together, and nothing is interpolated.
         let before = before.filter(|before| number > 0 || before.is_same);
-        let kept =
-            before.and_then(|before| Some((before, before.level(label, number, &level.lattice)?)));
+        let kept = before.and_then(|before| Some((before, before.level(label, number)?)));
         let (tolerance, concerned) = match kept {
             Some((before, _)) => (before.tolerance, before.concerned[number].clone()),
             None => (0.0, settled.clone()),
@@ -288,6 +358,11 @@ impl<'a> Making<'a> {
     /// What a leaf has that did not begin anew.
     fn of_before<'g>(&self, leaf: [i32; 3], grid: &'g LeafGrid) -> Option<&'g LeafNodes> {
         grid.get(leaf).filter(|_| !self.concerned.has(leaf))
+    }
+
+    /// What was interpolated.
+    pub fn starts(&self) -> &LeafGrid {
+        &self.starts
     }
 
     /// The values by which samples are on the wrong side, for those of a level. They are to be

@@ -39,16 +39,23 @@ const CONTOUR_SPACING: f64 = 0.5;
 const BAND: i32 = 2;
 /// Times that the samples on the wrong side are looked for.
 const PASSES: u32 = 3;
+/// Before the last time it is enough to know where these are.
+const ROUGH: f64 = 1e-2;
 /// Where all of the box is solved for.
 const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: 0.0 };
 /// In the band of the coarsest level that has one. What is solved there is all that
 /// finer levels know of the shape between sections, whatever their voxels.
 const FIRST_NARROW: Limits = Limits { iterations: 100, tolerance: 1e-3, of: 0.0 };
-/// In the band of the others. With more of them walls as thin as sections are apart shrink.
-const NARROW: Limits = Limits { iterations: 30, tolerance: 1e-3, of: 0.0 };
-/// And of the finest: what is wrong with the interpolated values is as short there as the
-/// voxels, and soon mended; what is longer, coarser levels have seen to.
-const FINEST: Limits = Limits { iterations: 15, tolerance: 1e-3, of: 0.0 };
+/// In the band of the others, whose values are drawn to what is interpolated.
+const NARROW: Limits = Limits { iterations: 100, tolerance: 5e-3, of: 0.0 };
+/// What is shorter than this is solved for there, in voxels, as λ = ℓ⁻⁴ has it (`anchor`): what
+/// is longer, coarser levels have seen to. So there is one solution, soon found, that depends on
+/// what is near alone. Without it, walls as thin as sections are apart would shrink with every
+/// iteration more, and the surface would be another one whenever solving began elsewhere.
+const NARROW_LENGTH: f32 = 2.0;
+/// The same on the finest level: what is wrong with the interpolated values is as short there as
+/// the voxels.
+const FINEST_LENGTH: f32 = 0.8;
 
 /// What all labels' fields are made from.
 pub struct Scene<'a> {
@@ -216,7 +223,8 @@ impl<'a> Solver<'a> {
         for pass in 0..PASSES {
             let seen = self.seen(number, &mut making, pass + 1 == PASSES);
             let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
-            self.solve(number, leaves.clone(), &pulls, WHOLE, making.as_mut())?;
+            let limits = rough_before_the_last(WHOLE, pass, PASSES);
+            self.solve(number, leaves.clone(), &pulls, (limits, None), making.as_mut())?;
         }
         self.keep(making);
         Ok(())
@@ -279,10 +287,10 @@ impl<'a> Solver<'a> {
         }
         let is_first = number == self.scene.space.whole || starts_at_anchor;
         let is_last = number + 1 == self.scene.space.lattices.len();
-        let (passes, limits) = match (is_first, is_last) {
-            (true, _) => (PASSES, FIRST_NARROW),
-            (false, true) => (1, FINEST),
-            (false, false) => (1, NARROW),
+        let (passes, limits, length) = match (is_first, is_last) {
+            (true, _) => (PASSES, FIRST_NARROW, None),
+            (false, true) => (1, NARROW, Some(FINEST_LENGTH)),
+            (false, false) => (1, NARROW, Some(NARROW_LENGTH)),
         };
         let mut making = self.making(number);
         for pass in 0..passes {
@@ -302,7 +310,8 @@ impl<'a> Solver<'a> {
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
             let seen = self.seen(number, &mut making, pass > 0 && pass + 1 == passes);
             let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
-            self.solve(number, leaves, &pulls, limits, making.as_mut())?;
+            let limits = rough_before_the_last(limits, pass, passes);
+            self.solve(number, leaves, &pulls, (limits, length), making.as_mut())?;
         }
         self.keep(making);
         Ok(band)
@@ -396,7 +405,7 @@ impl<'a> Solver<'a> {
     /// To the nearest contour, in voxels.
     fn distance(&self, lattice: &Lattice, point: DVec3, hint: &mut Hint) -> f32 {
         let distance = self.outline.distance(point, hint);
-        (distance.min(self.scene.space.bounds.diagonal()) / lattice.voxel) as f32
+        (distance.min(self.scene.space.frame.bounds.diagonal()) / lattice.voxel) as f32
     }
 
     /// For each even sample how far inside it should be, in voxels.
@@ -424,7 +433,8 @@ impl<'a> Solver<'a> {
             inside.insert(leaf);
         }
         let region = Region::Leaves { leaves: &inside, origin, side: f64::from(SIDE) * voxel };
-        plane_samples(self.scene.sections, self.scene.space.bounds, voxel, region)
+        let space = self.scene.space.sampled(&self.levels[number].lattice);
+        plane_samples(self.scene.sections, space, voxel, region)
     }
 
     /// The values by which samples are on the wrong side.
@@ -473,13 +483,14 @@ impl<'a> Solver<'a> {
         pulls
     }
 
-    /// Solves for the free nodes of leaves.
+    /// Solves for the free nodes of leaves; with a length, in voxels, only for what is shorter
+    /// than that.
     fn solve(
         &mut self,
         number: usize,
         mut leaves: Vec<[i32; 3]>,
         pulls: &[Pull],
-        limits: Limits,
+        (limits, length): (Limits, Option<f32>),
         making: Option<&mut Making>,
     ) -> Result<()> {
         self.scene.progress.go_on()?;
@@ -497,7 +508,11 @@ impl<'a> Solver<'a> {
             let is_open = self.scene.is_open;
             system.anchors = Some(anchor.anchors(level, distances, &system.leaves, is_open));
         }
-        let mut wanted = residual(&system, &level.grid);
+        if let Some(length) = length {
+            system.hold = length.powi(-4);
+        }
+        let starts = making.as_ref().map_or(&level.grid, |making| making.starts());
+        let mut wanted = residual(&system, &level.grid, starts);
         if let Some(making) = &making {
             making.spare(&system, &mut wanted);
         }
@@ -512,10 +527,16 @@ impl<'a> Solver<'a> {
             own.iter_mut().zip(values).for_each(|(own, by)| *own += by);
         }
         if let Some(making) = making {
-            making.solved(&system, &residual(&system, grid), self.first);
+            let left = residual(&system, grid, making.starts());
+            making.solved(&system, &left, self.first);
         }
         Ok(())
     }
+}
+
+fn rough_before_the_last(limits: Limits, pass: u32, passes: u32) -> Limits {
+    let tolerance = if pass + 1 < passes { ROUGH } else { limits.tolerance };
+    Limits { tolerance, ..limits }
 }
 
 /// The leaves that are to be solved for among those that would be.

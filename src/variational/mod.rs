@@ -68,10 +68,10 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::field::{Adapter, Device};
+use crate::grid::frame::Frame;
 use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
 use crate::method::Variational;
-use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::Section;
 
@@ -145,21 +145,20 @@ pub struct Solved {
 }
 
 /// The samples of the variational field. What is `kept` of the field of other sections
-/// in the same box saves solving for what both have in common; with `keeps` it is what this
+/// in the same frame, or one that [continues](Frame::continues) it, saves solving for what both have in common; with `keeps` it is what this
 /// one leaves behind afterwards.
 ///
 /// # Errors
 /// [`Error::Device`] when a GPU is asked for and none works; then `kept` is as it was.
 pub(crate) fn variational(
     sections: &[Section],
-    bounds: Bounds,
-    lattice: &Lattice,
+    frame: &Frame,
     method: &Variational,
     (keeps, kept): (bool, &mut Option<Kept>),
     progress: &dyn Progress,
 ) -> Result<Solved> {
     let backend = backend(method.device)?;
-    let space = Space::around(sections, bounds, method.border, lattice)?;
+    let space = Space::around(sections, method.border, frame)?;
     let scene = scene(sections, &space, method, backend.as_ref(), progress);
     solve(scene, (keeps, kept), "field")
 }
@@ -191,7 +190,7 @@ fn solve(
     let metric = before.as_ref().map_or(scene.metric, Before::metric);
     *kept = keeps.then(|| Kept::new(&scene, metric, &mut fields));
     let mut samples = assembly::assemble(fields, &scene);
-    let specks = remove_specks(&mut samples, scene.sections, scene.space.bounds) as u64;
+    let specks = remove_specks(&mut samples, scene.sections, scene.space.frame.bounds) as u64;
     Ok(Solved { samples, effort, specks, device: scene.backend.name() })
 }
 
@@ -215,9 +214,10 @@ fn scene<'a>(
     backend: &'a dyn Backend,
     progress: &'a dyn Progress,
 ) -> Scene<'a> {
-    let &Space { bounds, wide, ref lattices, whole, .. } = space;
-    let everywhere =
-        |lattice: &Lattice| plane_samples(sections, wide, lattice.voxel, Region::Everywhere);
+    let Space { frame, lattices, whole, .. } = space;
+    let everywhere = |lattice: &Lattice| {
+        plane_samples(sections, space.sampled(lattice), lattice.voxel, Region::Everywhere)
+    };
     let metric = Metric::new(sections);
     Scene {
         sections,
@@ -225,8 +225,8 @@ fn scene<'a>(
         metric,
         directions: metric.directions(),
         is_open: method.border == Label::UNKNOWN,
-        samples: lattices[..whole].iter().map(everywhere).collect(),
-        unit: metric.length() * bounds.size().max_element() / UNIT_VOXELS,
+        samples: lattices[..*whole].iter().map(everywhere).collect(),
+        unit: metric.length() * frame.size() / UNIT_VOXELS,
         weights: &method.weights,
         original: None,
         keeps: false,

@@ -67,20 +67,23 @@ pub enum Region<'a> {
 }
 
 /// The known points in a box of lattices with a spacing in world units on all
-/// sections' planes, those in a region; section by section, row by row.
+/// sections' planes, those in a region; section by section, row by row. Every lattice has a
+/// node where its plane is nearest to `center`.
 pub fn plane_samples(
     sections: &[Section],
-    bounds: Bounds,
+    (bounds, center): (Bounds, DVec3),
     spacing: f64,
     region: Region,
 ) -> Vec<PlaneSample> {
     let rows: Vec<(usize, i64)> = sections
         .iter()
         .enumerate()
-        .flat_map(|(number, section)| rows(section, bounds, spacing).map(move |row| (number, row)))
+        .flat_map(|(number, section)| {
+            rows(section, (bounds, center), spacing).map(move |row| (number, row))
+        })
         .collect();
     let drawings: Vec<Drawing> =
-        sections.par_iter().map(|section| Drawing::new(section, bounds)).collect();
+        sections.par_iter().map(|section| Drawing::new(section, center)).collect();
     let crossings: Vec<Rows> =
         drawings.par_iter().map(|drawing| Rows::new(drawing, spacing)).collect();
     rows.into_par_iter()
@@ -94,10 +97,14 @@ pub fn plane_samples(
 }
 
 /// The numbers of the rows that pass through a box.
-fn rows(section: &Section, bounds: Bounds, spacing: f64) -> std::ops::Range<i64> {
+fn rows(
+    section: &Section,
+    (bounds, center): (Bounds, DVec3),
+    spacing: f64,
+) -> std::ops::Range<i64> {
     let plane = section.plane();
     let [_, up] = plane.sides();
-    let origin = origin_in(section, bounds);
+    let origin = origin_near(section, center);
     let heights = plane.polygon_in(bounds).into_iter().map(|corner| (corner - origin).dot(up));
     let ends = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
         [low.min(height), high.max(height)]
@@ -108,11 +115,10 @@ fn rows(section: &Section, bounds: Bounds, spacing: f64) -> std::ops::Range<i64>
     (ends[0] / spacing).ceil() as i64..(ends[1] / spacing).floor() as i64 + 1
 }
 
-/// The point of the plane that is nearest to the box's middle.
-fn origin_in(section: &Section, bounds: Bounds) -> DVec3 {
+/// The point of the plane that is nearest to another one.
+fn origin_near(section: &Section, center: DVec3) -> DVec3 {
     let plane = section.plane();
-    let middle = bounds.middle();
-    middle - plane.distance(middle) * plane.unit_normal()
+    center - plane.distance(center) * plane.unit_normal()
 }
 
 /// Which edges a row crosses: row `first + i` those from `starts[i]` on.
@@ -161,8 +167,8 @@ impl Rows {
 }
 
 impl Drawing {
-    fn new(section: &Section, bounds: Bounds) -> Self {
-        let origin = origin_in(section, bounds);
+    fn new(section: &Section, center: DVec3) -> Self {
+        let origin = origin_near(section, center);
         let sides = section.plane().sides();
         let place = |vertex: u32| {
             let point = section.point(vertex) - origin;
@@ -291,7 +297,8 @@ mod tests {
             let plane = Plane { normal, offset: 0.1 };
             let section = disc(plane, 0.5, 400, Label(3));
             let center = 0.1 / normal.length() * plane.unit_normal();
-            let samples = plane_samples(&[section], bounds, 0.02, Region::Everywhere);
+            let samples =
+                plane_samples(&[section], (bounds, DVec3::ZERO), 0.02, Region::Everywhere);
             let area = crate::plane::polygon_area(&plane.polygon_in(bounds)) / (0.02 * 0.02);
             assert!((samples.len() as f64 / area - 1.0).abs() < 0.03, "{}", samples.len());
             for sample in samples {
@@ -335,7 +342,7 @@ mod tests {
             Label::OUTSIDE => Label::UNKNOWN,
             other => other,
         });
-        let samples = plane_samples(&[unknown], bounds, 0.05, Region::Everywhere);
+        let samples = plane_samples(&[unknown], (bounds, DVec3::ZERO), 0.05, Region::Everywhere);
         assert!(samples.iter().all(|one| one.label == Label(3)));
         // The disc: π 0.5² over 0.05² is 314.
         assert!((300..330).contains(&samples.len()), "{}", samples.len());
@@ -353,8 +360,9 @@ mod tests {
         let (origin, side) = (DVec3::new(0.013, -0.0171, 0.0057), 0.171);
         for normal in [DVec3::Z, DVec3::NEG_X, DVec3::new(0.3, -2.0, 0.4), DVec3::ONE] {
             let section = disc(Plane { normal, offset: 0.1 }, 0.5, 400, Label(3));
+            let space = (bounds, DVec3::new(0.001, 0.2, -0.1));
             let samples =
-                |region| plane_samples(std::slice::from_ref(&section), bounds, 0.02, region);
+                |region| plane_samples(std::slice::from_ref(&section), space, 0.02, region);
             let mut expected = samples(Region::Everywhere);
             expected.retain(|one| {
                 let leaf = ((one.at - origin) / side).floor().to_array();

@@ -20,12 +20,13 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// For the free nodes.
+    /// For the free nodes, which are held at a start.
     pub fn new(
         free: &BTreeSet<Node>,
         domain: Option<Domain>,
         pulls: &[Pull],
         directions: &[Direction],
+        (hold, start): (f32, f32),
     ) -> Self {
         let rows = free.iter().map(|&node| (node, Vector::new())).collect();
         let mut reference = Self { rows, right: Vector::new() };
@@ -36,6 +37,9 @@ impl Reference {
         for pull in pulls {
             let target = f64::from(pull.target);
             reference.add(&interpolation(pull.at), f64::from(pull.weight), target);
+        }
+        for &node in free {
+            reference.add(&[(node, 1.0)], f64::from(hold), f64::from(start));
         }
         reference
     }

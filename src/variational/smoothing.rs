@@ -21,11 +21,11 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::grid::evidence::Evidence;
+use crate::grid::frame::Frame;
 use crate::grid::samples::Samples;
 use crate::label::Label;
 use crate::mesh::{Mesh, dual};
 use crate::method::Variational;
-use crate::plane::Bounds;
 use crate::progress::{Progress, Silent};
 use crate::section::Section;
 
@@ -58,7 +58,7 @@ pub struct KeptSmoothing {
 pub fn smoothed(
     samples: &Samples,
     sections: &[Section],
-    bounds: Bounds,
+    frame: &Frame,
     strength: f64,
     (keeps, kept): (bool, &mut Option<KeptSmoothing>),
     progress: &dyn Progress,
@@ -80,8 +80,7 @@ pub fn smoothed(
     let original =
         Original { mesh: &mesh, length, open: samples.open, finest: samples.lattice.voxel };
     let mut fields = kept.take_if(|kept| kept.length == length).map(|kept| kept.fields);
-    let solved =
-        smoothed_mesh(samples, original, sections, bounds, (keeps, &mut fields), progress)?;
+    let solved = smoothed_mesh(samples, original, sections, frame, (keeps, &mut fields), progress)?;
     *kept = fields.map(|fields| KeptSmoothing { length, fields });
     Ok(solved)
 }
@@ -91,11 +90,11 @@ fn smoothed_mesh(
     samples: &Samples,
     original: Original,
     sections: &[Section],
-    bounds: Bounds,
+    frame: &Frame,
     (keeps, kept): (bool, &mut Option<Kept>),
     progress: &dyn Progress,
 ) -> Result<Solved> {
-    let space = Space::new(bounds, bounds, &samples.lattice)?;
+    let space = Space::new(frame, frame.bounds)?;
     let border = if samples.open.is_some() { Label::UNKNOWN } else { Label::OUTSIDE };
     let method = Variational { border, ..Variational::default() };
     let backend = Cpu::new();

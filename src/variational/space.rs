@@ -4,7 +4,7 @@
 use glam::{DVec3, IVec3};
 
 use crate::error::Result;
-use crate::grid::lattice::Resolution;
+use crate::grid::frame::Frame;
 use crate::grid::samples::Lattice;
 use crate::label::Label;
 use crate::plane::{Bounds, Plane};
@@ -41,8 +41,8 @@ const ROUNDING: f64 = 1e-6;
 
 /// Where is solved.
 pub struct Space {
-    /// The box that the result fills.
-    pub bounds: Bounds,
+    /// The box that the result fills, and the given lattice.
+    pub frame: Frame,
     /// The box of the coarse lattices.
     pub wide: Bounds,
     /// From the coarsest to the given one.
@@ -59,44 +59,57 @@ pub struct Space {
 
 impl Space {
     /// Around sections, with a wide box unless the given one is open.
-    pub fn around(
-        sections: &[Section],
-        bounds: Bounds,
-        border: Label,
-        finest: &Lattice,
-    ) -> Result<Self> {
+    pub fn around(sections: &[Section], border: Label, frame: &Frame) -> Result<Self> {
         let wide = space(sections, WIDE, BEYOND).filter(|_| border != Label::UNKNOWN);
-        let Some(wide) = wide else { return Self::new(bounds, bounds, finest) };
-        let wide = bounds.union(wide);
+        let Some(wide) = wide else { return Self::new(frame, frame.bounds) };
+        let wide = frame.bounds.union(wide);
         let reaches = reaches_with(sections, WIDE);
         let all = ends(sections);
         let wide_end = |end: &End| end.beyond(BEYOND * reaches[end.section]);
         let wide_ends = all.iter().map(wide_end).chain(wide.faces()).collect();
         let ends = all.iter().map(|end| end.beyond(end.reach)).collect();
-        Ok(Self { wide_ends, ends, ..Self::new(bounds, wide, finest)? })
+        Ok(Self { wide_ends, ends, ..Self::new(frame, wide)? })
     }
 
     /// The given lattice is itself solved on all of its box when it is as coarse as what
     /// would be.
-    pub fn new(bounds: Bounds, wide: Bounds, finest: &Lattice) -> Result<Self> {
-        let coarse = coarse_voxel(bounds, wide);
-        let wide = rounded(wide, bounds, VOXELS_OF_MARGIN * coarse);
+    pub fn new(frame: &Frame, wide: Bounds) -> Result<Self> {
+        let Frame { bounds, lattice: finest, is_fixed } = *frame;
+        let coarse = coarse_voxel(frame.size(), wide);
+        let wide = match is_fixed {
+            true => wide,
+            false => rounded(wide, bounds, VOXELS_OF_MARGIN * coarse),
+        };
         let is_coarse = finest.voxel >= coarse;
         let whole = if is_coarse { finest.voxel } else { coarse };
-        let on = |bounds: Bounds, voxel: f64| Lattice::new(bounds, Resolution::VoxelSize(voxel));
-        let second = if is_coarse { *finest } else { on(wide, whole)? };
-        let mut lattices = vec![on(wide, 2.0 * whole)?, second];
-        let mut voxel = bounds.size().max_element() / NARROW_VOXELS;
+        let second = if is_coarse { finest } else { frame.over(wide, whole)? };
+        let mut lattices = vec![frame.over(wide, 2.0 * whole)?, second];
+        let mut voxel = frame.size() / NARROW_VOXELS;
         while voxel >= finest.voxel * STEP {
             if voxel * STEP < whole {
-                lattices.push(on(bounds, voxel)?);
+                lattices.push(frame.over(bounds, voxel)?);
             }
             voxel /= 2.0;
         }
         if !is_coarse {
-            lattices.push(*finest);
+            lattices.push(finest);
         }
-        Ok(Self { bounds, wide, lattices, whole: 2, wide_ends: Vec::new(), ends: Vec::new() })
+        let (wide_ends, ends) = Default::default();
+        Ok(Self { frame: *frame, wide, lattices, whole: 2, wide_ends, ends })
+    }
+
+    /// Where sections are sampled on a level, and from where on: in the box, or, so that no leaf
+    /// gets more of them when a box with fixed lattices grows, on all of the lattice.
+    pub fn sampled(&self, lattice: &Lattice) -> (Bounds, DVec3) {
+        let bounds = match (self.frame.is_fixed, self.is_wide(lattice)) {
+            (true, _) => {
+                let last = lattice.dims.map(|nodes| nodes - 1);
+                Bounds { min: lattice.origin, max: lattice.position(last) }
+            }
+            (false, true) => self.wide,
+            (false, false) => self.frame.bounds,
+        };
+        (bounds, self.frame.center())
     }
 
     /// Beyond these nothing is solved for, on the given box and on the wide one.
@@ -130,12 +143,12 @@ impl Space {
     }
 }
 
-/// The voxels of a lattice on the wide box. One that is no wider than the box that is filled has
-/// [`WHOLE_VOXELS`], but for its volume.
-fn coarse_voxel(bounds: Bounds, wide: Bounds) -> f64 {
+/// The voxels of a lattice on the wide box. One that is no wider than the `size` of the box that
+/// is filled has [`WHOLE_VOXELS`], but for its volume.
+fn coarse_voxel(size: f64, wide: Bounds) -> f64 {
     let wanted =
         (wide.size().max_element() / WHOLE_VOXELS).min((wide.volume() / WHOLE_NODES).cbrt());
-    let unit = bounds.size().max_element() / WHOLE_VOXELS;
+    let unit = size / WHOLE_VOXELS;
     let steps = (SIZES_OF_DOUBLING * (wanted / unit).log2() + ROUNDING).floor();
     unit * (steps / SIZES_OF_DOUBLING).exp2()
 }
@@ -153,13 +166,14 @@ fn rounded(wide: Bounds, inside: Bounds, length: f64) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::lattice::Resolution;
 
     #[test]
     fn a_wider_box_mostly_has_the_same_lattices() {
         let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(1.0, 0.9, 0.8) };
-        let finest = Lattice::new(bounds, Resolution::Voxels(256)).unwrap();
+        let frame = Frame::new(bounds, Resolution::Voxels(256)).unwrap();
         // One that is not wider has all levels.
-        let same = Space::new(bounds, bounds, &finest).unwrap();
+        let same = Space::new(&frame, bounds).unwrap();
         assert_eq!(same.wide, bounds);
         let has = |space: &Space, voxels: f64| {
             space.lattices.iter().any(|lattice| (lattice.voxel * voxels - 1.0).abs() < 1e-9)
@@ -168,7 +182,7 @@ mod tests {
         let spaces: Vec<Space> = (0..100)
             .map(|step| bounds.grown(0.1 + 0.001 * f64::from(step)))
             .map(|wide| {
-                let space = Space::new(bounds, wide, &finest).unwrap();
+                let space = Space::new(&frame, wide).unwrap();
                 assert_eq!(space.wide.union(wide), space.wide);
                 assert!(space.lattices[1].voxel <= wide.size().max_element() / WHOLE_VOXELS);
                 space
@@ -184,9 +198,9 @@ mod tests {
             let bounds = Bounds { min: -size, max: size };
             let wide = bounds.grown(0.3);
             let spaces = (16..=300).map(|voxels| {
-                let finest = Lattice::new(bounds, Resolution::Voxels(voxels)).unwrap();
-                let space = Space::new(bounds, wide, &finest).unwrap();
-                assert_eq!(space.lattices.last(), Some(&finest), "{voxels}");
+                let frame = Frame::new(bounds, Resolution::Voxels(voxels)).unwrap();
+                let space = Space::new(&frame, wide).unwrap();
+                assert_eq!(space.lattices.last(), Some(&frame.lattice), "{voxels}");
                 let [before @ .., _] = &space.lattices[..] else { panic!() };
                 assert!(before.is_sorted_by(|a, b| a.voxel >= b.voxel * STEP));
                 assert!(space.lattices.is_sorted_by(|a, b| a.voxel > b.voxel));

@@ -111,7 +111,9 @@ impl Parts {
         let side = LEAF_SIDE as f64 * lattice.voxel;
         let region = Region::Leaves { leaves: &doubtful, origin, side };
         let mut said: Vec<([i32; 3], Label)> = Vec::new();
-        for sample in plane_samples(sections, bounds, SPACING * lattice.voxel, region) {
+        for sample in
+            plane_samples(sections, (bounds, bounds.middle()), SPACING * lattice.voxel, region)
+        {
             said.push((place(sample.at).round().as_ivec3().to_array(), sample.label));
         }
         // And along contours, for what is thinner than the samples are apart.

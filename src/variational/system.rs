@@ -123,6 +123,9 @@ pub struct System {
     pub starts: Vec<u32>,
     /// What draws single nodes, if anything.
     pub anchors: Option<Anchors>,
+    /// What holds every free node where solving begins: λ (f − start)² is added for each, 0 on
+    /// levels that are solved to the end.
+    pub hold: f32,
 }
 
 impl System {
@@ -147,7 +150,17 @@ impl System {
         let free = leaves.par_iter().map(|&leaf| free_nodes(leaf, &is_free)).collect();
         let (samples, starts) = sorted_samples(leaves.len(), &index, pulls);
         let directions = directions.to_vec();
-        Self { leaves, neighbours, free, domain, directions, samples, starts, anchors: None }
+        Self {
+            leaves,
+            neighbours,
+            free,
+            domain,
+            directions,
+            samples,
+            starts,
+            anchors: None,
+            hold: 0.0,
+        }
     }
 
     /// How many unknowns there are.

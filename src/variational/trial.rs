@@ -10,9 +10,8 @@ use super::system::System;
 use super::{Space, backend, labels, scene};
 use crate::error::{Error, Result};
 use crate::field::Device;
-use crate::grid::samples::Lattice;
+use crate::grid::frame::Frame;
 use crate::method::Variational;
-use crate::plane::Bounds;
 use crate::progress::Silent;
 use crate::section::Section;
 
@@ -44,15 +43,10 @@ impl Trial {
     ///
     /// # Errors
     /// When there is no label.
-    pub fn new(
-        sections: &[Section],
-        bounds: Bounds,
-        lattice: &Lattice,
-        method: &Variational,
-    ) -> Result<Self> {
+    pub fn new(sections: &[Section], frame: &Frame, method: &Variational) -> Result<Self> {
         let nothing = || Error::Option("there is nothing to solve for".to_owned());
         let recorder = Recorder { cpu: Cpu::new(), last: Mutex::new(None) };
-        let space = Space::around(sections, bounds, method.border, lattice)?;
+        let space = Space::around(sections, method.border, frame)?;
         let scene = scene(sections, &space, method, &recorder, &Silent);
         let label = labels(sections).first().copied().ok_or_else(nothing)?;
         LabelField::new(&scene, None, label)?;

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::grid::leaf::{LeafOf, LeafValues, NewLeaf};
-use crate::grid::samples::Samples;
+use crate::grid::leaf_grid::leaf_after;
+use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
 
 /// Samples with the cells that their nodes lie in.
@@ -15,6 +16,33 @@ pub struct Kept {
     pub(super) coarse: Vec<u32>,
     /// The cells that the nodes of every valued leaf lie in, in the order of the leaves.
     pub(super) cells: Vec<Vec<u32>>,
+}
+
+impl Kept {
+    /// The same on another lattice, with whose leaves `by` says what these have in common:
+    /// cells get other numbers, and leaves that were not there a cell that is `gone`.
+    pub fn moved(
+        &self,
+        by: [i32; 3],
+        lattice: &Lattice,
+        number: impl Fn(u32) -> u32,
+        gone: u32,
+    ) -> Self {
+        let old = &self.samples.lattice;
+        let coarse = |index: usize| {
+            let was = leaf_after(lattice.leaf_at(index), by.map(|along| -along));
+            if old.has_leaf(was) { number(self.coarse[old.leaf_index(was)]) } else { gone }
+        };
+        let cells = self.samples.valued.iter().zip(&self.cells);
+        let cells = cells.filter(|(leaf, _)| lattice.has_leaf(leaf_after(**leaf, by)));
+        Self {
+            coarse: (0..lattice.leaf_count() as usize).map(coarse).collect(),
+            cells: cells
+                .map(|(_, cells)| cells.iter().map(|&cell| number(cell)).collect())
+                .collect(),
+            samples: self.samples.moved(by, *lattice),
+        }
+    }
 }
 
 /// What is left of samples on the same lattice.

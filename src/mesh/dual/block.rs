@@ -1,13 +1,15 @@
 //! The interface in the cells of one leaf: its pieces, and a point for each.
 
-use glam::DVec3;
+use glam::{DVec3, IVec3};
 
 use super::cell::{EDGE_CORNERS, FACE_CORNERS, FACE_EDGES, Links, Pieces};
 use super::patch::{Leaves, Patch};
+use crate::grid::leaf_grid::leaf_after;
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE};
 use crate::label::Label;
 
 /// A cell that the interface passes through.
+#[derive(Clone)]
 pub struct ActiveCell {
     /// The offset of its first node in the leaf.
     pub node: [usize; 3],
@@ -20,6 +22,7 @@ pub struct ActiveCell {
 }
 
 /// A lattice edge between nodes of different labels.
+#[derive(Clone)]
 pub struct CrossedEdge {
     /// The offset of its first node in the leaf.
     pub node: [usize; 3],
@@ -31,6 +34,7 @@ pub struct CrossedEdge {
 
 /// A face whose two pairs of edges belong to one piece on at least this
 /// cell's side.
+#[derive(Clone)]
 pub struct Pinch {
     /// The offset in the leaf of the cell whose low face it is.
     pub node: [usize; 3],
@@ -42,6 +46,7 @@ pub struct Pinch {
 
 /// Everything about the cells whose first nodes are in one leaf. Points are
 /// in lattice units: node (i, j, k) is at (i, j, k).
+#[derive(Clone)]
 pub struct Block {
     /// The leaf.
     pub at: [i32; 3],
@@ -106,6 +111,16 @@ impl Block {
             self.points.push(self.world(piece_point(patch, node, &pieces, piece, &crossings)));
         }
         self.cells.push(ActiveCell { node, first, pieces, links });
+    }
+
+    /// The same in a leaf `by` farther on.
+    pub fn moved(&self, by: [i32; 3]) -> Self {
+        let step = LEAF_SIDE as f64 * IVec3::from_array(by).as_dvec3();
+        let mut moved = self.clone();
+        moved.at = leaf_after(self.at, by);
+        let pinched = moved.pinches.iter_mut().flat_map(|pinch| &mut pinch.points);
+        moved.points.iter_mut().chain(pinched).for_each(|point| *point += step);
+        moved
     }
 
     /// From the leaf's coordinates to the lattice's.

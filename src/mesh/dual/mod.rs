@@ -95,6 +95,11 @@ impl KeptBlocks {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
+
+    /// The same when the leaves have other names, `by` farther on.
+    pub fn moved(&self, by: [i32; 3]) -> Self {
+        Self(self.0.par_iter().map(|block| Arc::new(block.moved(by))).collect())
+    }
 }
 
 impl std::fmt::Debug for KeptBlocks {

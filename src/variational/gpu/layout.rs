@@ -49,6 +49,7 @@ pub struct State {
     size: f32,
     goal: f32,
     factor: f32,
+    hold: f32,
     count: u32,
     directions: [DeviceDirection; DIRECTIONS],
 }
@@ -113,6 +114,7 @@ impl State {
             size: 0.0,
             goal: -1.0,
             factor: 0.0,
+            hold: system.hold,
             count: system.directions.len() as u32,
             directions,
         }

@@ -11,7 +11,7 @@ use crate::mesh::nearest::Nearest;
 use crate::mesh::shapes::assert_edge_manifold;
 use crate::method::{MeanValue, Method};
 use crate::model::{Model, Options};
-use crate::plane::Plane;
+use crate::plane::{Bounds, Plane};
 use crate::section::{Edge, Sections};
 
 const LABEL: Label = Label(1);
@@ -247,9 +247,10 @@ fn with_a_length_below_the_voxel_nothing_changes() {
     let voxel = rough.voxel();
     let bounds = Bounds { min: rough.samples.lattice.origin + 0.5 * voxel, max: DVec3::ZERO };
     let bounds = Bounds { max: -bounds.min, ..bounds };
+    let frame = Frame { bounds, lattice: rough.samples.lattice, is_fixed: false };
     let original = Original { mesh: &rough.mesh, open: None, length: 0.2 * voxel, finest: voxel };
     let same =
-        smoothed_mesh(&rough.samples, original, &sections, bounds, (false, &mut None), &Silent)
+        smoothed_mesh(&rough.samples, original, &sections, &frame, (false, &mut None), &Silent)
             .unwrap();
     let mesh = dual(&same.samples, &Silent).unwrap();
     let nearest = Nearest::on_mesh(&rough.mesh).unwrap();
