@@ -39,8 +39,6 @@ const CONTOUR_SPACING: f64 = 0.5;
 const BAND: i32 = 2;
 /// Times that the samples on the wrong side are looked for.
 const PASSES: u32 = 3;
-/// Before the last time it is enough to know where these are.
-const ROUGH: f64 = 1e-2;
 /// Where all of the box is solved for.
 const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: 0.0 };
 /// In the band of the coarsest level that has one. What is solved there is all that
@@ -223,8 +221,7 @@ impl<'a> Solver<'a> {
         for pass in 0..PASSES {
             let seen = self.seen(number, &mut making, pass + 1 == PASSES);
             let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
-            let limits = rough_before_the_last(WHOLE, pass, PASSES);
-            self.solve(number, leaves.clone(), &pulls, (limits, None), making.as_mut())?;
+            self.solve(number, leaves.clone(), &pulls, (WHOLE, None), making.as_mut())?;
         }
         self.keep(making);
         Ok(())
@@ -310,7 +307,6 @@ impl<'a> Solver<'a> {
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
             let seen = self.seen(number, &mut making, pass > 0 && pass + 1 == passes);
             let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
-            let limits = rough_before_the_last(limits, pass, passes);
             self.solve(number, leaves, &pulls, (limits, length), making.as_mut())?;
         }
         self.keep(making);
@@ -532,11 +528,6 @@ impl<'a> Solver<'a> {
         }
         Ok(())
     }
-}
-
-fn rough_before_the_last(limits: Limits, pass: u32, passes: u32) -> Limits {
-    let tolerance = if pass + 1 < passes { ROUGH } else { limits.tolerance };
-    Limits { tolerance, ..limits }
 }
 
 /// The leaves that are to be solved for among those that would be.
