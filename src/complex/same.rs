@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DVec3;
 
 use super::{Complex, Facet};
+use crate::label::Label;
 
 /// A facet's plane, corners and regions, to the bit and in an order of their own.
 type Words = Vec<u64>;
@@ -32,21 +33,19 @@ impl Complex {
         let mut corners: Vec<[u64; 3]> =
             facet.outline.iter().map(|&corner| words(corner)).collect();
         corners.sort_unstable();
-        let mut edges: Vec<([[u64; 3]; 2], [Option<u32>; 2])> = (facet.edges.iter())
+        let mut edges: Vec<[u64; 8]> = (facet.edges.iter())
             .map(|edge| {
-                let labels = [Some(edge.left), edge.right].map(|label| Some(label?.0));
-                ([words(edge.start), words(edge.end)], labels)
+                let ([a, b, c], [d, e, f]) = (words(edge.start), words(edge.end));
+                // One more than a label, so that none is something else.
+                let label = |label: Option<Label>| label.map_or(0, |label| u64::from(label.0) + 1);
+                [a, b, c, d, e, f, label(Some(edge.left)), label(edge.right)]
             })
             .collect();
         edges.sort_unstable();
         let mut all = words(self.planes()[facet.plane].normal).to_vec();
         all.push(corners.len() as u64);
         all.extend(corners.as_flattened());
-        for (ends, labels) in edges {
-            all.extend(ends.as_flattened());
-            // One more than a label, so that none is something else.
-            all.extend(labels.map(|label| label.map_or(0, |label| u64::from(label) + 1)));
-        }
+        all.extend(edges.as_flattened());
         all
     }
 }

@@ -38,7 +38,7 @@ pub struct OnlineArguments {
     /// An output file, written at the end, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// The box that is filled, which no contour may leave. In it, fields are evaluated and solved for only where a change concerns them [default: what the sections fill, anew with every change]
+    /// The box that is filled, which no contour may leave. In it, and with --voxel-size, fields are evaluated and solved for only where a change concerns them [default: what the sections fill, anew with every change]
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = bounds)]
     pub bounds: Option<Bounds>,
     #[command(flatten)]
