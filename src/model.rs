@@ -14,7 +14,7 @@ use crate::check::{self, Check, check};
 use crate::complex::Complex;
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::field::{self, Boundaries};
+use crate::field::{Boundaries, Evaluator};
 use crate::grid::frame::Frame;
 use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_memory;
@@ -35,7 +35,7 @@ use crate::section::{Section, Sections};
 use crate::skeleton::{Details, Kept as KeptSurfaces};
 use crate::stage::Stages;
 use crate::variational::smoothing::{KeptSmoothing, smoothed};
-use crate::variational::{Kept, variational};
+use crate::variational::{Kept, KeptBackend, variational};
 
 /// How near to a plane the field is told from its limit, in voxels: nearer
 /// points are taken to be this far away. On the plane the indicator is a
@@ -102,6 +102,9 @@ struct Lasting {
     smoothing: Option<KeptSmoothing>,
     /// Surfaces of the exact reconstruction.
     surfaces: KeptSurfaces,
+    /// Devices, which take a while to open.
+    evaluator: Evaluator,
+    solver: KeptBackend,
 }
 
 /// What follows from the sections.
@@ -225,8 +228,14 @@ impl Model {
         let sections = given.merged(rules)?;
         let lasting = self.lasting.get_mut().unwrap_or_else(PoisonError::into_inner);
         let before = self.derived.as_ref();
-        let derive = |sections| derive(sections, &self.options, lasting, before, stages, *progress);
-        let derived = sections.as_ref().map(derive).transpose()?;
+        let derive =
+            |sections| derive(sections, &self.options, &mut *lasting, before, stages, *progress);
+        let derived = sections.as_ref().map(derive).transpose();
+        if let Err(Error::Device(_)) = derived {
+            // It may be lost, and another one will do.
+            (lasting.evaluator, lasting.solver) = Default::default();
+        }
+        let derived = derived?;
         keep()?;
         self.derived = derived;
         self.sections = sections.unwrap_or_default();
@@ -395,7 +404,7 @@ fn derive(
     let keeps = options.bounds.is_some() || frame.is_fixed;
     let ground = Ground { sections: &sections.sections, frame, keeps, before };
     match &options.method {
-        Method::Variational(method) => ground.solve(method, &mut lasting.fields, stages, progress),
+        Method::Variational(method) => ground.solve(method, lasting, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
         Method::Skeleton(method) => ground.build(method, &mut lasting.surfaces, stages, progress),
     }
@@ -406,14 +415,15 @@ impl Ground<'_> {
     fn solve(
         &self,
         method: &Variational,
-        fields: &mut Option<Kept>,
+        Lasting { fields, solver, .. }: &mut Lasting,
         stages: &mut Stages,
         progress: &dyn Progress,
     ) -> Result<Derived> {
         let Self { sections, frame, keeps, .. } = self;
         let capping = Capping::new(sections, method.caps, method.border, frame.lattice.voxel)?;
         let (mut samples, device) = stages.run("field", |counts| {
-            let solved = variational(&capping.sections, frame, method, (*keeps, fields), progress)?;
+            let solved =
+                variational(&capping.sections, frame, method, (*keeps, fields), solver, progress)?;
             counts.insert("leaves".into(), solved.samples.valued.len() as u64);
             counts.insert("unknowns".into(), solved.effort.unknowns);
             counts.insert("updates".into(), solved.effort.updates);
@@ -460,7 +470,7 @@ impl Ground<'_> {
             Ok(boundaries)
         })?;
         let (kept, is_known, device) = stages.run("field", |counts| {
-            let field = field::new(&boundaries, method.device)?;
+            let field = lasting.evaluator.field(&boundaries, method.device)?;
             let starts = Starts::new(sections, boundaries.completion(), lattice);
             let is_known = boundaries.completion().corner_count() == 0;
             let before = living.before(lattice).filter(|_| is_known);

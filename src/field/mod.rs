@@ -25,6 +25,7 @@
 //! `packing` lays out for them in f32; one contract binds all three.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -50,6 +51,7 @@ pub use boundaries::Boundaries;
 pub use completion::Completion;
 pub use cpu::Cpu;
 pub use gpu::Gpu;
+use gpu::Opened;
 pub use reference::Reference;
 
 pub use crate::gpu::Adapter;
@@ -109,14 +111,44 @@ pub enum Device {
 /// # Errors
 /// [`Error::Device`] when a GPU is asked for and none works.
 pub fn new(boundaries: &Boundaries, device: Device) -> Result<Box<dyn Field>> {
-    match device {
-        Device::Cpu => Ok(Box::new(Cpu::new(boundaries)?)),
-        Device::Gpu => Ok(Box::new(Gpu::new(boundaries, Adapter::Any)?)),
-        Device::Auto => match Gpu::new(boundaries, Adapter::Hardware) {
-            Ok(gpu) => Ok(Box::new(gpu)),
-            Err(Error::Device(_)) => new(boundaries, Device::Cpu),
-            Err(other) => Err(other),
-        },
+    Evaluator::default().field(boundaries, device)
+}
+
+/// What evaluates one field after another: a GPU is opened for the first, and stays open.
+#[derive(Default)]
+pub struct Evaluator {
+    gpu: Option<Arc<Opened>>,
+}
+
+impl Evaluator {
+    /// The field inside some boundaries. The device is to be the same every time.
+    ///
+    /// # Errors
+    /// As [`new`].
+    pub fn field(&mut self, boundaries: &Boundaries, device: Device) -> Result<Box<dyn Field>> {
+        let found = match device {
+            Device::Cpu => return Ok(Box::new(Cpu::new(boundaries)?)),
+            Device::Gpu => self.on_gpu(boundaries, Adapter::Any),
+            Device::Auto => self.on_gpu(boundaries, Adapter::Hardware),
+        };
+        match found {
+            Err(Error::Device(_)) if device == Device::Auto => Ok(Box::new(Cpu::new(boundaries)?)),
+            found => Ok(Box::new(found?)),
+        }
+    }
+
+    fn on_gpu(&mut self, boundaries: &Boundaries, adapter: Adapter) -> Result<Gpu> {
+        let opened = match &self.gpu {
+            Some(opened) => Arc::clone(opened),
+            None => Arc::clone(self.gpu.insert(Arc::new(Opened::new(adapter)?))),
+        };
+        Gpu::on(opened, boundaries)
+    }
+}
+
+impl std::fmt::Debug for Evaluator {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Evaluator").field("is_open", &self.gpu.is_some()).finish()
     }
 }
 

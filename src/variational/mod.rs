@@ -157,11 +157,12 @@ pub(crate) fn variational(
     frame: &Frame,
     method: &Variational,
     (keeps, kept): (bool, &mut Option<Kept>),
+    solver: &mut KeptBackend,
     progress: &dyn Progress,
 ) -> Result<Solved> {
-    let backend = backend(method.device)?;
+    let backend = solver.on(method.device)?;
     let space = Space::around(sections, method.border, frame)?;
-    let scene = scene(sections, &space, method, backend.as_ref(), progress);
+    let scene = scene(sections, &space, method, backend, progress);
     solve(scene, (keeps, kept), "field")
 }
 
@@ -194,6 +195,29 @@ fn solve(
     let mut samples = assembly::assemble(fields, &scene);
     let specks = remove_specks(&mut samples, scene.sections, scene.space.frame.bounds) as u64;
     Ok(Solved { samples, effort, specks, device: scene.backend.name() })
+}
+
+/// What solves for one field after another: opened for the first, and kept.
+#[derive(Default)]
+pub(crate) struct KeptBackend(Option<Box<dyn Backend>>);
+
+impl KeptBackend {
+    /// On a device, which is to be the same every time.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when a GPU is asked for and none works.
+    fn on(&mut self, device: Device) -> Result<&dyn Backend> {
+        Ok(match &mut self.0 {
+            Some(own) => &**own,
+            none => &**none.insert(backend(device)?),
+        })
+    }
+}
+
+impl std::fmt::Debug for KeptBackend {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("KeptBackend").field(&self.0.as_ref().map(|own| own.name())).finish()
+    }
 }
 
 /// What a device stands for.

@@ -6,6 +6,8 @@
 //! (wgpu#5000), so the buffer is cleared before, where no weight sum can be
 //! zero after, and a few points of every batch are evaluated on the CPU too.
 
+use std::sync::Arc;
+
 use self::batch::{Batch, Limits, batches};
 use self::layout::Tables;
 use super::cpu::{Cpu, indicator, value_count};
@@ -24,15 +26,34 @@ const SHADER: &str = concat!(
     include_str!("../../../shaders/field.wgsl"),
 );
 
+/// A GPU with what it runs, for one field after another.
+pub struct Opened {
+    connection: Connection,
+    pipeline: wgpu::ComputePipeline,
+    limits: Limits,
+}
+
+impl Opened {
+    /// Opens a GPU.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::error::Error::Device) when there is no such adapter.
+    pub fn new(adapter: Adapter) -> Result<Self> {
+        let connection = Connection::open(adapter)?;
+        let pipeline = connection.pipeline("field", SHADER, "evaluate");
+        connection.check()?;
+        let limits = Limits::of(&connection);
+        Ok(Self { connection, pipeline, limits })
+    }
+}
+
 /// The f32 backend on a GPU.
 pub struct Gpu {
     /// The same cells, for spot checks.
     cpu: Cpu,
-    connection: Connection,
-    pipeline: wgpu::ComputePipeline,
+    opened: Arc<Opened>,
     /// Cells, faces, chains, edges and ramps, in the order of the bindings.
     tables: Vec<wgpu::Buffer>,
-    limits: Limits,
 }
 
 impl Gpu {
@@ -42,36 +63,48 @@ impl Gpu {
     /// As [`field::new`](super::new); [`Error::Device`](crate::error::Error::Device) when there is no such
     /// adapter, or the boundaries do not fit into its memory.
     pub fn new(boundaries: &Boundaries, adapter: Adapter) -> Result<Self> {
-        let connection = Connection::open(adapter)?;
+        Self::on(Arc::new(Opened::new(adapter)?), boundaries)
+    }
+
+    /// The same on a GPU that is open.
+    ///
+    /// # Errors
+    /// As [`Gpu::new`].
+    pub fn on(opened: Arc<Opened>, boundaries: &Boundaries) -> Result<Self> {
         let cpu = Cpu::new(boundaries)?;
-        let pipeline = connection.pipeline("field", SHADER, "evaluate");
         let tables = Tables::new(cpu.cells());
         let tables = tables
             .contents()
             .into_iter()
-            .map(|bytes| connection.upload(bytes))
+            .map(|bytes| opened.connection.upload(bytes))
             .collect::<Result<_>>()?;
-        connection.check()?;
-        let limits = Limits::of(&connection);
-        Ok(Self { cpu, connection, pipeline, tables, limits })
+        opened.connection.check()?;
+        Ok(Self { cpu, opened, tables })
     }
 
     /// What the driver calls the device.
     pub fn adapter_name(&self) -> &str {
-        self.connection.name()
+        self.opened.connection.name()
     }
 
     /// Evaluates one batch into the values of the whole query.
     fn run(&self, queries: &Queries, batch: &Batch, values: &mut [f32]) -> Result<()> {
-        let points = self.connection.upload(bytemuck::cast_slice(&batch.points))?;
-        let jobs = self.connection.upload(bytemuck::cast_slice(&batch.jobs))?;
+        let points = self.opened.connection.upload(bytemuck::cast_slice(&batch.points))?;
+        let jobs = self.opened.connection.upload(bytemuck::cast_slice(&batch.jobs))?;
         let mut inputs: Vec<&wgpu::Buffer> = self.tables.iter().collect();
         inputs.extend([&points, &jobs]);
         let groups = batch.jobs.len() as u32;
-        let weights =
-            self.connection.dispatch(&self.pipeline, &inputs, groups, batch.value_count)?;
+        let weights = self.opened.connection.dispatch(
+            &self.opened.pipeline,
+            &inputs,
+            groups,
+            batch.value_count,
+        )?;
         if let Err(total) = normalise(&weights, batch, values) {
-            return Err(self.connection.garbage(&format!("an empty result (weights of {total})")));
+            return Err(self
+                .opened
+                .connection
+                .garbage(&format!("an empty result (weights of {total})")));
         }
         self.spot_check(queries, batch, values)
     }
@@ -94,7 +127,7 @@ impl Gpu {
                 usize::from(found.iter().zip(&expected).any(|(f, e)| (f - e).abs() > TOLERANCE));
         }
         if 2 * wrong > probes {
-            Err(self.connection.garbage("values unlike the CPU's"))
+            Err(self.opened.connection.garbage("values unlike the CPU's"))
         } else {
             Ok(())
         }
@@ -118,10 +151,10 @@ impl Field for Gpu {
         queries.check(self.cpu.cells().len())?;
         let cells = self.cpu.cells();
         let mut values = vec![0.0; value_count(cells, queries)];
-        for batch in batches(cells, queries, self.limits) {
+        for batch in batches(cells, queries, self.opened.limits) {
             self.run(queries, &batch, &mut values)?;
         }
-        self.cpu.evaluate_where(queries, &mut values, |cell| !self.limits.allow(cell));
+        self.cpu.evaluate_where(queries, &mut values, |cell| !self.opened.limits.allow(cell));
         Ok(values)
     }
 }
@@ -148,11 +181,13 @@ fn normalise(weights: &[f32], batch: &Batch, values: &mut [f32]) -> std::result:
 #[cfg(test)]
 mod tests {
     use super::batch::{Batch, Limits, batches};
+    use std::sync::Arc;
+
     use super::{Adapter, Boundaries, Cpu, Gpu, normalise};
     use crate::error::Error;
     use crate::field::Field;
     use crate::field::fixture::{Stack, busy_stack};
-    use crate::field::{Queries, Run};
+    use crate::field::{Device, Evaluator, Queries, Run};
     use crate::random::Random;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -244,6 +279,32 @@ mod tests {
         assert!(normalise(&weights, &batches[0], &mut values).is_err());
     }
 
+    #[test]
+    fn a_gpu_is_opened_once() {
+        let mut random = Random::new(32);
+        let mut evaluator = Evaluator::default();
+        let mut opened = Vec::new();
+        for count in [3, 5] {
+            let stack = busy_stack(&mut random, count, 10);
+            let complex = stack.complex();
+            let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
+            let gpu = match evaluator.field(&boundaries, Device::Gpu) {
+                Ok(gpu) => gpu,
+                Err(Error::Device(_)) => return println!("skipped: no wgpu adapter"),
+                Err(other) => panic!("{other}"),
+            };
+            // What it evaluates is the field of these cells, whatever was before.
+            let queries = stack.queries(&mut random, 300);
+            let cpu = Cpu::new(&boundaries).unwrap().evaluate(&queries).unwrap();
+            let pairs = gpu.evaluate(&queries).unwrap().into_iter().zip(cpu);
+            assert!(
+                pairs.into_iter().filter(|(one, other)| (one - other).abs() > 1e-3).count() < 9
+            );
+            opened.push(evaluator.gpu.clone().unwrap());
+        }
+        assert!(Arc::ptr_eq(&opened[0], &opened[1]));
+    }
+
     /// Plausible numbers that are not the field's are noticed too.
     #[test]
     fn stale_results_are_noticed() {
@@ -259,7 +320,7 @@ mod tests {
         let queries = stack.queries(&mut random, 3000);
         let right = gpu.evaluate(&queries).unwrap();
         let stale: Vec<f32> = right.iter().map(|f| f * 0.5).collect();
-        for batch in batches(gpu.cpu.cells(), &queries, gpu.limits) {
+        for batch in batches(gpu.cpu.cells(), &queries, gpu.opened.limits) {
             gpu.spot_check(&queries, &batch, &right).unwrap();
             let error = gpu.spot_check(&queries, &batch, &stale).unwrap_err();
             assert!(error.to_string().contains("use the CPU"), "{error}");
