@@ -67,7 +67,8 @@ pub struct Options {
     ///
     /// The mean-value field is evaluated, and the variational field solved for, only where a
     /// change concerns it if the grid's nodes stay where they are: in a given box, and in one
-    /// that follows the sections if the size of voxels is given and the box is closed.
+    /// that follows the sections if the size of voxels is given and the box is closed and has 64 of
+    /// them.
     pub bounds: Option<Bounds>,
 }
 

@@ -132,7 +132,7 @@ pub struct GridArguments {
     #[arg(long, value_name = "N", conflicts_with = "voxel_size",
           value_parser = clap::value_parser!(u32).range(4..))]
     pub resolution: Option<u32>,
-    /// The side of a voxel, in world units. Wherever the box is, nodes are at odd multiples of its half, unless the box is given or open
+    /// The side of a voxel, in world units. Wherever the box is, nodes are at odd multiples of its half, unless the box is given, open or smaller than 64 of them
     #[arg(long, value_name = "H", value_parser = positive)]
     pub voxel_size: Option<f64>,
 }

@@ -10,6 +10,9 @@ use super::samples::Lattice;
 
 /// Sizes of fixed boxes to a doubling.
 const SIZES_OF_DOUBLING: f64 = 4.0;
+/// Voxels on the longest side of a box with fixed lattices at least: these reach up to a leaf
+/// beyond the box, and farther away, relative to its size, fields are anything.
+const FIXED_VOXELS: f64 = 64.0;
 
 /// A box with lattices of all voxel sizes over it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,12 +34,15 @@ impl Frame {
         Ok(Self { bounds, lattice: Lattice::new(bounds, resolution)?, is_fixed: false })
     }
 
-    /// With lattices that other boxes have, too: the nodes that two boxes have in common are
-    /// nodes of both.
+    /// With lattices that other boxes have, too, if the box has some 64 voxels: the nodes that
+    /// two boxes have in common are nodes of both.
     ///
     /// # Errors
     /// As [`Lattice::new`].
     pub fn fixed(bounds: Bounds, voxel: f64) -> Result<Self> {
+        if bounds.size().max_element() < FIXED_VOXELS * voxel {
+            return Self::new(bounds, Resolution::VoxelSize(voxel));
+        }
         Ok(Self { bounds, lattice: Lattice::fixed(bounds, voxel)?, is_fixed: true })
     }
 
