@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::complex::{Complex, Editor};
 use crate::error::{Error, Result};
+use crate::field::{CellShares, Completion};
 use crate::grid::samples::Lattice;
 use crate::grid::sampling::{Before, Kept};
 use crate::label::Label;
@@ -14,15 +15,23 @@ use crate::section::Section;
 /// In place of a cell that there is no more, or was not.
 const GONE: u32 = u32::MAX - 1;
 
+/// By so much of a whole a share may be another one than a cell was sampled with; what is
+/// sampled then differs by less than four times as much.
+const SHARES_ALIKE: f32 = 5e-5;
+
 /// A complex that follows sections, and samples that follow it.
 pub(crate) struct Living {
     editor: Editor,
     /// The sections that are drawn, by plane.
     drawn: BTreeMap<u32, Section>,
-    /// The last samples, where nothing was unknown.
+    /// The last samples.
     kept: Option<Kept>,
     /// The cells that changed since, or went.
     touched: BTreeSet<u32>,
+    /// What completed the unknown regions last.
+    completion: Completion,
+    /// What was said on those of every cell when it was sampled.
+    shares: BTreeMap<u32, CellShares>,
 }
 
 /// What is kept follows sections in a box, on a lattice over it. Returns it with the number of
@@ -46,7 +55,7 @@ pub(crate) fn follow<'a>(
     }
     let mut living = Living::new(bounds, border)?;
     let all = living.follow(sections)?;
-    let same = kept.as_ref().map_or(0, |was| living.take_over(was, lattice));
+    let same = kept.take().map_or(0, |was| living.take_over(was, lattice));
     Ok((kept.insert(living), all - same))
 }
 
@@ -56,13 +65,14 @@ impl Living {
     /// # Errors
     /// When it has no volume.
     fn new(bounds: Bounds, border: Label) -> Result<Self> {
-        let (drawn, kept, touched) = Default::default();
-        Ok(Self { editor: Editor::new(bounds, border)?, drawn, kept, touched })
+        let (drawn, kept, touched, completion, shares) = Default::default();
+        let editor = Editor::new(bounds, border)?;
+        Ok(Self { editor, drawn, kept, touched, completion, shares })
     }
 
     /// Takes over what was sampled in cells of another box that are here, too, and returns how
     /// many these are.
-    fn take_over(&mut self, was: &Self, lattice: &Lattice) -> usize {
+    fn take_over(&mut self, was: Self, lattice: &Lattice) -> usize {
         let same = was.complex().same_cells(self.complex());
         let by = was
             .kept
@@ -75,6 +85,10 @@ impl Living {
         };
         self.kept = Some(kept.moved(by, lattice, number, GONE));
         self.touched = BTreeSet::from([GONE]);
+        let shares =
+            was.shares.into_iter().filter_map(|(cell, own)| Some((*same.get(&cell)?, own)));
+        self.shares = shares.collect();
+        self.completion = was.completion;
         same.len()
     }
 
@@ -123,15 +137,48 @@ impl Living {
         Ok(drawn)
     }
 
-    /// What was sampled on a lattice, and where that does not hold any more.
-    pub fn before(&self, lattice: &Lattice) -> Option<Before<'_>> {
-        let kept = self.kept.as_ref().filter(|kept| kept.samples.lattice == *lattice)?;
-        Some(Before { kept, touched: &self.touched })
+    /// What completed the unknown regions last.
+    pub fn completion(&self) -> &Completion {
+        &self.completion
     }
 
-    /// Keeps what was sampled in the cells as they are now.
-    pub fn keep(&mut self, kept: Option<Kept>) {
-        self.kept = kept;
+    /// The cells that are others than when samples were taken, or are gone, or on whose unknown
+    /// regions something else is said now.
+    pub fn changed(&self, now: &BTreeMap<u32, CellShares>) -> BTreeSet<u32> {
+        let is_near = |cell: &u32, now: &CellShares| {
+            self.shares.get(cell).is_some_and(|was| was.is_near(now, SHARES_ALIKE))
+        };
+        let mut changed = self.touched.clone();
+        changed.extend(now.iter().filter(|(cell, now)| !is_near(cell, now)).map(|(&cell, _)| cell));
+        changed
+    }
+
+    /// What was sampled on a lattice, where it still holds: not in cells that changed.
+    pub fn before<'a>(
+        &'a self,
+        lattice: &Lattice,
+        changed: &'a BTreeSet<u32>,
+    ) -> Option<Before<'a>> {
+        let kept = self.kept.as_ref().filter(|kept| kept.samples.lattice == *lattice)?;
+        Some(Before { kept, touched: changed })
+    }
+
+    /// Keeps what was sampled in the cells as they are now, what completed their unknown regions,
+    /// and what is said there. What cells were sampled with that have not changed is told as it
+    /// was, so that many small differences do not become a large one.
+    pub fn keep(
+        &mut self,
+        kept: Kept,
+        completion: Completion,
+        mut shares: BTreeMap<u32, CellShares>,
+        changed: &BTreeSet<u32>,
+    ) {
+        for (cell, own) in std::mem::take(&mut self.shares) {
+            if let Some(now) = shares.get_mut(&cell).filter(|_| !changed.contains(&cell)) {
+                *now = own;
+            }
+        }
+        (self.shares, self.completion, self.kept) = (shares, completion, Some(kept));
         self.touched.clear();
     }
 }

@@ -462,7 +462,8 @@ impl Ground<'_> {
             progress.go_on()?;
             progress.begin("completion", 0);
             let clearance = CLEARANCE * lattice.voxel;
-            let boundaries = Boundaries::new(complex, clearance, method.spacing)?;
+            let before = Some(living.completion());
+            let boundaries = Boundaries::following(complex, clearance, method.spacing, before)?;
             let completion = boundaries.completion();
             counts
                 .insert("triangles of unknown regions".into(), completion.triangle_count() as u64);
@@ -470,13 +471,13 @@ impl Ground<'_> {
             counts.insert("sweeps".into(), completion.sweeps().into());
             Ok(boundaries)
         })?;
-        let (kept, is_known, device) = stages.run("field", |counts| {
+        let shares = boundaries.shares();
+        let changed = living.changed(&shares);
+        let (kept, device) = stages.run("field", |counts| {
             let field = lasting.evaluator.field(&boundaries, method.device)?;
             let starts = Starts::new(sections, boundaries.completion(), lattice);
-            let is_known = boundaries.completion().corner_count() == 0;
-            let before = living.before(lattice).filter(|_| is_known);
             let field_of = field.as_ref();
-            let sampling = match before {
+            let sampling = match living.before(lattice, &changed) {
                 Some(before) => {
                     sample_again(complex, field_of, &starts, before, Margin(1), progress)
                 }
@@ -484,9 +485,9 @@ impl Ground<'_> {
             }?;
             counts.insert("leaves".into(), sampling.kept.samples.valued.len() as u64);
             counts.insert("evaluations".into(), sampling.points);
-            Ok((sampling.kept, is_known, field.name()))
+            Ok((sampling.kept, field.name()))
         })?;
-        let complex = complex.clone();
+        let (complex, completion) = (complex.clone(), boundaries.into_completion());
         let mut samples = stages.run("smoothing", |counts| {
             let smoothing = (self.keeps, &mut lasting.smoothing);
             let solved =
@@ -496,7 +497,7 @@ impl Ground<'_> {
             counts.insert("specks".into(), solved.specks);
             Ok(solved.samples)
         })?;
-        living.keep(is_known.then_some(kept));
+        living.keep(kept, completion, shares, &changed);
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
         Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None, blocks })

@@ -1,10 +1,12 @@
 //! What the field interpolates: the labelled regions on the boundary of every
 //! cell, the unknown ones completed.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
-use super::completion::Completion;
-use crate::complex::{Complex, Facet};
+use super::completion::{CellShares, Completion};
+use crate::complex::{Cell, Complex, Facet};
 use crate::error::{Error, Remedy, Result};
 use crate::label::Label;
 
@@ -55,6 +57,19 @@ impl<'a> Boundaries<'a> {
     /// [`Error::Option`] for a bad clearance or spacing (one below a 512th of
     /// the longest side, too), and where everything is unknown.
     pub fn new(complex: &'a Complex, clearance: f64, spacing: Option<f64>) -> Result<Self> {
+        Self::following(complex, clearance, spacing, None)
+    }
+
+    /// The same; the search for the shares on unknown regions begins at those `before` a change.
+    ///
+    /// # Errors
+    /// As [`Boundaries::new`].
+    pub fn following(
+        complex: &'a Complex,
+        clearance: f64,
+        spacing: Option<f64>,
+        before: Option<&Completion>,
+    ) -> Result<Self> {
         let bounds = complex.bounds();
         let spacing = spacing.unwrap_or(SPACING * bounds.size().max_element());
         for (what, number) in [("clearance", clearance), ("spacing", spacing)] {
@@ -72,7 +87,7 @@ impl<'a> Boundaries<'a> {
         }
         // Below this f32 could underflow.
         let clearance = clearance.max(SMALLEST_CLEARANCE * bounds.diagonal());
-        let completion = Completion::new(complex, clearance, spacing)?;
+        let completion = Completion::new(complex, clearance, spacing, before)?;
         let labels = (0..complex.cells().end() as u32)
             .map(|cell| known_labels(complex, &completion, cell))
             .collect();
@@ -92,6 +107,20 @@ impl<'a> Boundaries<'a> {
     /// What completed the unknown regions.
     pub fn completion(&self) -> &Completion {
         &self.completion
+    }
+
+    /// What is said on the unknown regions of every cell that has some.
+    pub fn shares(&self) -> BTreeMap<u32, CellShares> {
+        let of_cell = |(number, cell): (u32, &Cell)| {
+            let shares = self.completion.shares_on(&cell.facets, &self.labels[number as usize]);
+            Some((number, shares?))
+        };
+        self.complex.cells().iter().filter_map(of_cell).collect()
+    }
+
+    /// What is to be kept for the next change.
+    pub fn into_completion(self) -> Completion {
+        self.completion
     }
 
     pub(super) fn boundary(&self, cell: usize) -> Boundary<'_> {

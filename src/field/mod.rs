@@ -48,7 +48,7 @@ mod contract;
 mod fixture;
 
 pub use boundaries::Boundaries;
-pub use completion::Completion;
+pub use completion::{CellShares, Completion};
 pub use cpu::Cpu;
 pub use gpu::Gpu;
 use gpu::Opened;

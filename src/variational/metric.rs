@@ -25,6 +25,10 @@ const SQUEEZE: f64 = 0.7;
 /// With a smaller trace of N⁴ nothing is squeezed: a stack has 1, and ½ if a sixth of all
 /// sections lie across it.
 const LEAST: f64 = 0.5;
+/// What entries of N⁴ are rounded to where sections are not all parallel: a tilt of the stack by
+/// less than four degrees, which nobody would see. So one more frame of a sweep by hand mostly
+/// leaves lengths as they are, and with them what was solved for.
+const STEP: f64 = 0.125;
 /// What is lost in rounding, beside 1.
 const NOTHING: f64 = 1e-9;
 
@@ -59,8 +63,14 @@ impl Metric {
         };
         let sum = sections.iter().map(outer).fold(DMat3::ZERO, |sum, one| sum + one);
         let squared = sum * sum * (sections.len().max(1) as f64).powi(-2);
-        let fourth = squared * squared;
-        let is_stack = fourth.x_axis.x + fourth.y_axis.y + fourth.z_axis.z >= LEAST;
+        let mut fourth = squared * squared;
+        let trace = fourth.x_axis.x + fourth.y_axis.y + fourth.z_axis.z;
+        if trace < 1.0 - NOTHING {
+            fourth = DMat3::from_cols_array(
+                &fourth.to_cols_array().map(|entry| (entry / STEP).round() * STEP),
+            );
+        }
+        let is_stack = trace >= LEAST;
         let share = if is_stack { 1.0 - SQUEEZE } else { 0.0 };
         Self { squeeze: DMat3::IDENTITY - fourth * share }
     }

@@ -15,15 +15,15 @@
 //! of its own, convex, cells. Where an unknown region is among them, its shares
 //! are what is seen there; so the shares are the solution of a linear system,
 //! and a group's cells see each other through their unknown regions. It is
-//! solved by repeated insertion: shares are means of shares, so every sweep
-//! makes the largest error smaller. Corners that have not seen anything known
-//! yet have no weight. With one unknown region between known ones this is
-//! Bermano's formula.
+//! solved by repeated insertion, which is accelerated (`mixing`). Corners that have not
+//! seen anything known yet have no weight, and get shares first. Where
+//! a complex had shares before a change, that is where it begins. With one unknown
+//! region between known ones this is Bermano's formula.
 //!
 //! Corners on contours have the labels beyond them, where there are several
 //! their mean (§5.1).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -33,6 +33,7 @@ use crate::error::{Error, Result};
 use crate::label::Label;
 
 mod groups;
+mod mixing;
 mod outline;
 mod plane;
 mod sweep;
@@ -40,13 +41,17 @@ mod sweep;
 mod tests;
 
 use groups::{groups, has_unknown};
+use mixing::Mixing;
 use plane::UnknownPlane;
 use sweep::Sweeper;
 
 /// Shares that change by less from one sweep to the next are final.
-const TOLERANCE: f32 = 5e-4;
-/// More sweeps than any system in good order takes: the largest error shrinks
-/// by what part of the weights is known.
+const TOLERANCE: f32 = 1e-6;
+/// So are those that change by less than this, if the largest change was not smaller for
+/// [`PATIENCE`] sweeps: rounding is all that is left.
+const ROUNDING: f32 = 1e-4;
+const PATIENCE: u32 = 10;
+/// More sweeps than any system in good order takes.
 const SWEEPS: u32 = 500;
 
 /// Triangles on unknown regions, and every label's share at their corners.
@@ -65,6 +70,27 @@ pub struct Completion {
     sweeps: u32,
 }
 
+/// What is said on the unknown regions of a cell's boundary, to be held against what is said
+/// there after a change.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellShares {
+    labels: Vec<Label>,
+    /// The corners of all triangles, one after another.
+    corners: Vec<DVec3>,
+    /// For every corner the share of every label.
+    shares: Vec<f32>,
+}
+
+impl CellShares {
+    /// Whether the same labels have the same shares in the same places, but for a tolerance.
+    pub fn is_near(&self, other: &Self, tolerance: f32) -> bool {
+        let mut pairs = self.shares.iter().zip(&other.shares);
+        self.labels == other.labels
+            && self.corners == other.corners
+            && pairs.all(|(one, other)| (one - other).abs() <= tolerance)
+    }
+}
+
 /// A corner that is not on a contour.
 struct Free {
     corner: u32,
@@ -74,11 +100,16 @@ struct Free {
 
 impl Completion {
     /// Completes the unknown regions of a complex, triangulated with edges
-    /// of about `spacing` (world units).
+    /// of about `spacing` (world units), beginning with the shares `before` a change.
     ///
     /// # Errors
     /// [`Error::Option`] where nothing is known.
-    pub(super) fn new(complex: &Complex, clearance: f64, spacing: f64) -> Result<Self> {
+    pub(super) fn new(
+        complex: &Complex,
+        clearance: f64,
+        spacing: f64,
+        before: Option<&Self>,
+    ) -> Result<Self> {
         if !complex.facets().values().any(has_unknown) {
             return Ok(Self::default());
         }
@@ -92,13 +123,10 @@ impl Completion {
         for plane in planes(complex, spacing)? {
             free.append(&mut completion.add(complex, &plane, &groups));
         }
-        let mut sweeper = Sweeper::new(complex, clearance, &completion, &free)?;
-        while completion.sweeps < SWEEPS {
-            completion.sweeps += 1;
-            if sweeper.sweep(&mut completion) < TOLERANCE {
-                break;
-            }
+        if let Some(before) = before {
+            completion.begin_at(before, &free, outline::step(complex.bounds()));
         }
+        completion.settle(Sweeper::new(complex, clearance, &completion, &free)?, &free);
         let shares = completion.shares.chunks_exact(completion.labels.len());
         if shares.into_iter().any(|shares| shares.iter().all(|&share| share == 0.0)) {
             return Err(nothing_known());
@@ -138,6 +166,82 @@ impl Completion {
             .collect()
     }
 
+    /// Gives free corners the shares that corners in their places had; `step` as in `outline`.
+    fn begin_at(&mut self, before: &Self, free: &[Free], step: f64) {
+        if before.labels != self.labels {
+            return;
+        }
+        let count = self.labels.len();
+        let place = |point: &DVec3| outline::key(*point, step);
+        let was: HashMap<[u64; 3], &[f32]> =
+            before.points.iter().map(place).zip(before.shares.chunks_exact(count)).collect();
+        for &Free { corner, .. } in free {
+            if let Some(shares) = was.get(&place(&self.points[corner as usize])) {
+                self.shares_mut(corner).copy_from_slice(shares);
+            }
+        }
+    }
+
+    /// Finds the shares of the free corners.
+    fn settle(&mut self, mut sweeper: Sweeper, free: &[Free]) {
+        let count = self.labels.len();
+        let mut mixing = Mixing::default();
+        let (mut least, mut least_at) = (f32::INFINITY, 0);
+        let mut shares = self.shares_of(free);
+        while self.sweeps < SWEEPS {
+            self.sweeps += 1;
+            let mut next = sweeper.sweep(self);
+            let pairs = || shares.chunks_exact(count).zip(next.chunks_exact(count));
+            let is_without = |shares: &[f32]| shares.iter().all(|&share| share == 0.0);
+            if pairs().any(|(own, _)| is_without(own)) {
+                let filled: Vec<f32> = pairs()
+                    .flat_map(|(own, next)| if is_without(own) { next } else { own })
+                    .copied()
+                    .collect();
+                if filled == shares {
+                    return;
+                }
+                shares = filled;
+                self.set_shares_of(free, &shares);
+                continue;
+            }
+            let changes = next.iter().zip(&shares).map(|(next, share)| (next - share).abs());
+            let largest = changes.fold(0.0, f32::max);
+            if largest < least {
+                (least, least_at) = (largest, self.sweeps);
+            }
+            let is_rounding = largest < ROUNDING && self.sweeps >= least_at + PATIENCE;
+            let is_last = largest < TOLERANCE || is_rounding || self.sweeps == SWEEPS;
+            if !is_last {
+                mixing.mix(&shares, &mut next);
+            }
+            shares = next;
+            self.set_shares_of(free, &shares);
+            if is_last {
+                return;
+            }
+        }
+    }
+
+    fn shares_mut(&mut self, corner: u32) -> &mut [f32] {
+        let count = self.labels.len();
+        &mut self.shares[corner as usize * count..][..count]
+    }
+
+    fn shares_of(&self, free: &[Free]) -> Vec<f32> {
+        let count = self.labels.len();
+        free.iter()
+            .flat_map(|free| &self.shares[free.corner as usize * count..][..count])
+            .copied()
+            .collect()
+    }
+
+    fn set_shares_of(&mut self, free: &[Free], shares: &[f32]) {
+        for (free, shares) in free.iter().zip(shares.chunks_exact(self.labels.len())) {
+            self.shares_mut(free.corner).copy_from_slice(shares);
+        }
+    }
+
     /// The known labels, sorted.
     pub fn labels(&self) -> &[Label] {
         &self.labels
@@ -172,6 +276,20 @@ impl Completion {
     /// The triangles on a face.
     pub fn triangles(&self, face: u32) -> &[[u32; 3]] {
         self.triangles.get(face as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// What is said on some faces about some labels; `None` where nothing is unknown.
+    pub(super) fn shares_on(&self, faces: &[u32], labels: &[Label]) -> Option<CellShares> {
+        let triangles = || faces.iter().flat_map(|&face| self.triangles(face));
+        triangles().next()?;
+        let slots = self.slots(labels);
+        let corners = || triangles().flatten().copied();
+        let shares = |corner| slots.iter().map(move |&slot| self.share(corner, slot) as f32);
+        Some(CellShares {
+            labels: labels.to_vec(),
+            corners: corners().map(|corner| self.point(corner)).collect(),
+            shares: corners().flat_map(shares).collect(),
+        })
     }
 
     /// The triangles on which the label with the largest share changes: where

@@ -57,7 +57,7 @@ pub(super) fn step(bounds: Bounds) -> f64 {
 
 /// The name of a point, which equal points of a plane have in common though their last
 /// digits may differ.
-fn key(point: DVec3, step: f64) -> [u64; 3] {
+pub(super) fn key(point: DVec3, step: f64) -> [u64; 3] {
     ((point / step).round() + 0.0).to_array().map(f64::to_bits)
 }
 

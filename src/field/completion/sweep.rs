@@ -62,30 +62,22 @@ impl<'a> Sweeper<'a> {
         Ok(sweeper)
     }
 
-    /// Gives every free corner the mean of what it sees; returns the largest
-    /// change of a share.
-    pub fn sweep(&mut self, completion: &mut Completion) -> f32 {
+    /// For every free corner the mean of what it sees; none where it sees nothing that has
+    /// shares.
+    pub fn sweep(&mut self, completion: &Completion) -> Vec<f32> {
         self.cells.par_iter_mut().flatten().for_each(|(cell, ramps)| {
             cell.set_slopes(ramps, completion);
         });
         let mut weights = self.known.clone();
         self.look(Part::UnknownBut, &mut weights);
-        let labels = completion.labels.len();
-        let mut largest = 0.0_f32;
-        for (free, weights) in self.free.iter().zip(weights.chunks_exact(labels)) {
+        let mean = |weights: &[f64]| -> Vec<f32> {
             // Rounding can make a share that is zero a little less.
-            let total: f64 = weights.iter().map(|weight| weight.max(0.0)).sum();
-            if total <= 0.0 {
-                continue;
-            }
-            let first = free.corner as usize * labels;
-            for (share, weight) in completion.shares[first..][..labels].iter_mut().zip(weights) {
-                let next = (weight.max(0.0) / total) as f32;
-                largest = largest.max((next - *share).abs());
-                *share = next;
-            }
-        }
-        largest
+            let weights = weights.iter().map(|weight| weight.max(0.0));
+            let total: f64 = weights.clone().sum();
+            let total = if total > 0.0 { total } else { 1.0 };
+            weights.map(|weight| (weight / total) as f32).collect()
+        };
+        weights.chunks_exact(completion.labels.len()).flat_map(mean).collect()
     }
 
     /// Adds what every free corner sees of a part of its cells, in 1/world

@@ -19,7 +19,7 @@ fn unknown_disc(radius: f64, ground: u32) -> Pattern {
 }
 
 fn complete(complex: &Complex, spacing: f64) -> Completion {
-    Completion::new(complex, 1e-6, spacing).unwrap()
+    Completion::new(complex, 1e-6, spacing, None).unwrap()
 }
 
 /// The share of a label at the corner nearest to a point.
