@@ -84,6 +84,7 @@ pub mod compare;
 pub mod complex;
 pub mod context;
 pub mod crosscheck;
+mod derived;
 pub mod direction;
 pub mod error;
 mod ffi;

@@ -7,11 +7,12 @@ use transect::change::Change;
 use transect::check::Check;
 use transect::context::Context;
 use transect::grid::lattice::Resolution;
-use transect::io::json;
+use transect::io::{json, read_sections};
+use transect::label::Label;
 use transect::mesh::facts::Facts;
 use transect::method::{MeanValue, Method};
 use transect::model::{Model, Options};
-use transect::section::Rules;
+use transect::section::{Rules, Section, Sections};
 
 /// Reconstructs sections given as the entries of our JSON format.
 fn reconstruct(sections: &[String], voxels: u32) -> Check {
@@ -108,4 +109,38 @@ fn a_few_spots_do_not_outweigh_the_neighbouring_sections() {
     // hundredth of it.
     let share = second.volume / (first.volume + second.volume);
     assert!(share < 0.02, "{share}");
+}
+
+/// Frames of a sweep know a part of their planes only, so all cells hang together through what
+/// is unknown; still the last one costs less than all of them.
+#[test]
+fn one_more_frame_of_a_sweep_costs_less_than_all() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sweep.json");
+    let all = read_sections(&path, &Rules::default()).expect("the example");
+    let (last, others) = all.sections.split_last().expect("frames");
+    let part = |sections: &[Section]| Sections { sections: sections.to_vec(), ..all.clone() };
+    let mvc = Method::MeanValue(MeanValue { smooth: 0.0, ..MeanValue::default() });
+    for (method, what) in [(mvc, "evaluations"), (Method::default(), "unknowns")] {
+        let resolution = Resolution::Voxels(128);
+        let mut model = Model::new(Options { method, resolution, bounds: all.space() });
+        let mut add = |sections: Sections| {
+            let mut context = Context::default();
+            model.apply(Change::Add(sections), &mut context).expect("it reconstructs");
+            context.stages.count_of(what)
+        };
+        add(part(others));
+        let of_last = add(part(std::slice::from_ref(last)));
+        let mut context = Context::default();
+        let mut once = Model::new(*model.options());
+        once.apply(Change::Add(all.clone()), &mut context).expect("it reconstructs");
+        let of_all = context.stages.count_of(what);
+        assert!(4 * of_last < 3 * of_all, "{of_last} {what} of {of_all}");
+        // And it is the same surface.
+        let volume = |model: &Model| -> f64 {
+            let mesh = &model.derived().expect("a surface").mesh;
+            all.materials.iter().map(|own| mesh.surface(Label(own.id)).volume()).sum()
+        };
+        let ratio = volume(&model) / volume(&once);
+        assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
+    }
 }

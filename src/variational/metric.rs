@@ -177,6 +177,23 @@ mod tests {
     }
 
     #[test]
+    fn one_more_frame_of_a_sweep_mostly_changes_nothing() {
+        let mut random = Random::new(2);
+        let tilted = |random: &mut Random| {
+            let [x, y] = std::array::from_fn(|_| 0.3 * (2.0 * random.unit() - 1.0));
+            DVec3::new(x, y, 1.0)
+        };
+        let mut normals: Vec<DVec3> = (0..12).map(|_| tilted(&mut random)).collect();
+        let mut same = 0;
+        for _ in 0..40 {
+            let before = metric(&normals);
+            normals.push(tilted(&mut random));
+            same += u32::from(metric(&normals) == before);
+        }
+        assert!(same > 35, "{same}");
+    }
+
+    #[test]
     fn directions_reach_to_the_next_nodes_and_add_up_to_the_metric() {
         let mut random = Random::new(1);
         for _ in 0..2000 {

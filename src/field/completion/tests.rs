@@ -68,6 +68,36 @@ fn what_is_known_is_seen_through_unknown_planes() {
     assert!(completion.sweeps() < 100, "{} sweeps", completion.sweeps());
 }
 
+/// What was completed before is soon completed again, and is the same.
+#[test]
+fn a_completion_goes_on_from_the_one_before() {
+    let mut busy = Pattern::plain(1);
+    busy.patches.push(Patch::disc(DVec2::new(0.2, 0.1), 0.5, 20, 3, 1));
+    let patterns = vec![busy, unknown_disc(0.9, 1), unknown_disc(0.8, 2), Pattern::plain(2)];
+    let mut stack = Stack::new(patterns);
+    let complete = |complex: &Complex, before| Completion::new(complex, 1e-6, 0.1, before).unwrap();
+    let complex = stack.complex();
+    let first = complete(&complex, None);
+    let second = complete(&complex, Some(&first));
+    assert!(second.sweeps() < first.sweeps() / 2, "{} {}", second.sweeps(), first.sweeps());
+    // From another one it comes to the same, too.
+    stack.patterns[3] = Pattern::plain(1);
+    let other = complete(&stack.complex(), None);
+    let third = complete(&complex, Some(&other));
+    for completion in [&second, &third] {
+        for corner in 0..first.corner_count() as u32 {
+            for slot in 0..first.labels().len() {
+                let apart = (first.share(corner, slot) - completion.share(corner, slot)).abs();
+                assert!(apart < 2e-5, "{apart}");
+            }
+        }
+    }
+    let all: Vec<u32> = complex.facets().iter().map(|(id, _)| id).collect();
+    let [was, is, differs] = [&first, &third, &other]
+        .map(|completion| completion.shares_on(&all, completion.labels()).unwrap());
+    assert!(was.is_near(&is, 2e-5) && !was.is_near(&is, 0.0) && !was.is_near(&differs, 1e-3));
+}
+
 /// Two cells around an unknown disc with nothing but label 1 in sight are that
 /// label, exactly, though the next cell has another one.
 #[test]

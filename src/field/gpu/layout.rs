@@ -45,7 +45,7 @@ pub struct DeviceJob {
     pub first_value: u32,
 }
 
-/// All cells, one after another.
+/// Cells, one after another.
 #[derive(Default)]
 pub struct Tables {
     cells: Vec<DeviceCell>,
@@ -61,12 +61,13 @@ pub struct Tables {
 }
 
 impl Tables {
-    pub fn new(cells: &[PackedCell]) -> Self {
+    pub fn new<'a>(cells: impl Iterator<Item = &'a PackedCell>) -> Self {
         let mut tables = Self::default();
         for cell in cells {
             tables.add(cell);
         }
         // A binding must not be empty, even when nothing reads it.
+        tables.cells.push(Zeroable::zeroed());
         tables.faces.push(Zeroable::zeroed());
         tables.chains.push(Zeroable::zeroed());
         tables.edges.push(Zeroable::zeroed());

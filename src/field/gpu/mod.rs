@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use self::batch::{Batch, Limits, batches};
-use self::layout::Tables;
+use self::layout::{DeviceJob, Tables};
 use super::cpu::{Cpu, indicator, value_count};
 use super::{Boundaries, Field, Queries};
 use crate::error::Result;
@@ -52,6 +52,13 @@ pub struct Gpu {
     /// The same cells, for spot checks.
     cpu: Cpu,
     opened: Arc<Opened>,
+}
+
+/// The cells that queries ask for, on the device: after a change of some sections these are few
+/// of all.
+struct Uploaded {
+    /// Their numbers, sorted.
+    cells: Vec<u32>,
     /// Cells, faces, chains, edges and ramps, in the order of the bindings.
     tables: Vec<wgpu::Buffer>,
 }
@@ -61,7 +68,7 @@ impl Gpu {
     ///
     /// # Errors
     /// As [`field::new`](super::new); [`Error::Device`](crate::error::Error::Device) when there is no such
-    /// adapter, or the boundaries do not fit into its memory.
+    /// adapter.
     pub fn new(boundaries: &Boundaries, adapter: Adapter) -> Result<Self> {
         Self::on(Arc::new(Opened::new(adapter)?), boundaries)
     }
@@ -71,15 +78,7 @@ impl Gpu {
     /// # Errors
     /// As [`Gpu::new`].
     pub fn on(opened: Arc<Opened>, boundaries: &Boundaries) -> Result<Self> {
-        let cpu = Cpu::new(boundaries)?;
-        let tables = Tables::new(cpu.cells());
-        let tables = tables
-            .contents()
-            .into_iter()
-            .map(|bytes| opened.connection.upload(bytes))
-            .collect::<Result<_>>()?;
-        opened.connection.check()?;
-        Ok(Self { cpu, opened, tables })
+        Ok(Self { cpu: Cpu::new(boundaries)?, opened })
     }
 
     /// What the driver calls the device.
@@ -87,11 +86,36 @@ impl Gpu {
         self.opened.connection.name()
     }
 
+    /// The cells of queries that the device evaluates.
+    fn upload(&self, queries: &Queries) -> Result<Uploaded> {
+        let all = self.cpu.cells();
+        let mut cells: Vec<u32> = queries.runs.iter().map(|run| run.cell).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells.retain(|&cell| self.opened.limits.allow(&all[cell as usize]));
+        let tables = Tables::new(cells.iter().map(|&cell| &all[cell as usize]));
+        let upload = |bytes| self.opened.connection.upload(bytes);
+        let tables = tables.contents().into_iter().map(upload).collect::<Result<_>>()?;
+        self.opened.connection.check()?;
+        Ok(Uploaded { cells, tables })
+    }
+
     /// Evaluates one batch into the values of the whole query.
-    fn run(&self, queries: &Queries, batch: &Batch, values: &mut [f32]) -> Result<()> {
+    fn run(
+        &self,
+        queries: &Queries,
+        uploaded: &Uploaded,
+        batch: &Batch,
+        values: &mut [f32],
+    ) -> Result<()> {
+        let place = |job: &DeviceJob| DeviceJob {
+            cell: uploaded.cells.partition_point(|&cell| cell < job.cell) as u32,
+            ..*job
+        };
+        let jobs: Vec<DeviceJob> = batch.jobs.iter().map(place).collect();
         let points = self.opened.connection.upload(bytemuck::cast_slice(&batch.points))?;
-        let jobs = self.opened.connection.upload(bytemuck::cast_slice(&batch.jobs))?;
-        let mut inputs: Vec<&wgpu::Buffer> = self.tables.iter().collect();
+        let jobs = self.opened.connection.upload(bytemuck::cast_slice(&jobs))?;
+        let mut inputs: Vec<&wgpu::Buffer> = uploaded.tables.iter().collect();
         inputs.extend([&points, &jobs]);
         let groups = batch.jobs.len() as u32;
         let weights = self.opened.connection.dispatch(
@@ -151,8 +175,9 @@ impl Field for Gpu {
         queries.check(self.cpu.cells().len())?;
         let cells = self.cpu.cells();
         let mut values = vec![0.0; value_count(cells, queries)];
+        let uploaded = self.upload(queries)?;
         for batch in batches(cells, queries, self.opened.limits) {
-            self.run(queries, &batch, &mut values)?;
+            self.run(queries, &uploaded, &batch, &mut values)?;
         }
         self.cpu.evaluate_where(queries, &mut values, |cell| !self.opened.limits.allow(cell));
         Ok(values)
@@ -303,6 +328,33 @@ mod tests {
             opened.push(evaluator.gpu.clone().unwrap());
         }
         assert!(Arc::ptr_eq(&opened[0], &opened[1]));
+    }
+
+    #[test]
+    fn only_cells_that_are_asked_for_are_uploaded() {
+        let mut random = Random::new(33);
+        let stack = busy_stack(&mut random, 5, 10);
+        let complex = stack.complex();
+        let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
+        let gpu = match Gpu::new(&boundaries, Adapter::Any) {
+            Ok(gpu) => gpu,
+            Err(Error::Device(_)) => return println!("skipped: no wgpu adapter"),
+            Err(other) => panic!("{other}"),
+        };
+        let all = stack.queries(&mut random, 200);
+        let mut some = Queries::default();
+        for run in all.runs.iter().filter(|run| run.cell % 2 == 1) {
+            let start = some.points.len();
+            some.points.extend(&all.points[run.points.clone()]);
+            some.runs.push(Run { cell: run.cell, points: start..some.points.len() });
+        }
+        let uploaded = gpu.upload(&some).unwrap();
+        assert!(!uploaded.cells.is_empty());
+        assert!(uploaded.cells.iter().all(|&cell| cell % 2 == 1), "{:?}", uploaded.cells);
+        let expected = gpu.cpu.evaluate(&some).unwrap();
+        let found = gpu.evaluate(&some).unwrap();
+        let far = found.iter().zip(&expected).filter(|(one, other)| (*one - *other).abs() > 1e-3);
+        assert!(far.count() < 9);
     }
 
     /// Plausible numbers that are not the field's are noticed too.

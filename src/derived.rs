@@ -1,0 +1,417 @@
+//! What follows from sections: the whole way from them to the mesh, by each of the methods.
+//!
+//! Every method keeps something for the next change ([`Lasting`]).
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use crate::capping::Capping;
+use crate::complex::Complex;
+use crate::error::{Error, Result};
+use crate::field::{Boundaries, Evaluator};
+use crate::grid::frame::Frame;
+use crate::grid::lattice::Resolution;
+use crate::grid::memory::require_memory;
+use crate::grid::samples::{Lattice, Samples};
+use crate::grid::sampling::{Margin, Starts, sample, sample_again};
+use crate::label::Label;
+use crate::living::{self, Living};
+use crate::mesh::Mesh;
+use crate::mesh::delaunay::delaunay;
+use crate::mesh::dual::{KeptBlocks, dual_again};
+use crate::mesh::fairing::{FairingOptions, fair};
+use crate::method::{Fairing, MeanValue, Mesher, Method, Skeleton, Variational};
+use crate::model::Options;
+use crate::oracle::Oracle;
+use crate::plane::{Bounds, Plane};
+use crate::progress::Progress;
+use crate::section::{Section, Sections};
+use crate::skeleton::{Details, Kept as KeptSurfaces};
+use crate::stage::Stages;
+use crate::variational::smoothing::{KeptSmoothing, smoothed};
+use crate::variational::{Kept, KeptBackend, variational};
+
+/// How near to a plane the field is told from its limit, in voxels: nearer
+/// points are taken to be this far away. On the plane the indicator is a
+/// step, in which an interpolated crossing would be lost.
+pub(crate) const CLEARANCE: f64 = 0.02;
+
+/// How long a fair surface's edges are, relative to the box's longest side: with shorter ones
+/// terraces remain after as many steps, with longer ones thin limbs get narrower.
+const FAIR_EDGE: f64 = 0.0065;
+/// Steps of smoothing on each of fairing's levels: with fewer terraces remain, with more
+/// thin limbs get narrower between the sections.
+const FAIRING_STEPS: u32 = 400;
+
+/// Of a given box: products of three are still numbers.
+const LARGEST_COORDINATE: f64 = 1e75;
+
+/// What a method keeps for the next change.
+#[derive(Debug, Default)]
+pub(crate) struct Lasting {
+    /// The cells and samples of the mean-value field.
+    cells: Option<Living>,
+    /// The variational field.
+    fields: Option<Kept>,
+    /// The fields that smooth the mean-value field.
+    smoothing: Option<KeptSmoothing>,
+    /// Surfaces of the exact reconstruction.
+    surfaces: KeptSurfaces,
+    /// Devices, which take a while to open.
+    evaluator: Evaluator,
+    solver: KeptBackend,
+}
+
+impl Lasting {
+    /// Lets go of devices, one of which may be lost: another one will do.
+    pub fn close_devices(&mut self) {
+        (self.evaluator, self.solver) = Default::default();
+    }
+}
+
+/// What follows from the sections.
+#[derive(Debug)]
+pub struct Derived {
+    /// The cells between the sections, where the field was asked.
+    pub complex: Option<Complex>,
+    /// The field's values near the surface, smoothed.
+    pub samples: Samples,
+    /// The network of surfaces.
+    pub mesh: Mesh,
+    /// The backend that evaluated the field.
+    pub device: String,
+    /// What else an exact reconstruction says.
+    pub exact: Option<Details>,
+    /// The mesh leaf by leaf, for the next one.
+    blocks: KeptBlocks,
+}
+
+impl Derived {
+    /// The samples and what is kept of their mesh, their leaves named as those of a lattice;
+    /// `None` where they have none in common, or nothing is kept.
+    fn on(&self, lattice: Lattice) -> Option<(Cow<'_, Samples>, Cow<'_, KeptBlocks>)> {
+        let by = self.samples.lattice.leaves_to(&lattice).filter(|_| !self.blocks.is_empty())?;
+        Some(match self.samples.lattice == lattice {
+            true => (Cow::Borrowed(&self.samples), Cow::Borrowed(&self.blocks)),
+            false => {
+                (Cow::Owned(self.samples.moved(by, lattice)), Cow::Owned(self.blocks.moved(by)))
+            }
+        })
+    }
+}
+
+/// The box in which the surface closes.
+///
+/// # Errors
+/// When there is no contour, or nothing known at all.
+pub(crate) fn bounds_of(sections: &Sections) -> Result<Bounds> {
+    sections.require_known()?;
+    let what = "there is nothing to reconstruct: no section has a contour";
+    sections.space().ok_or_else(|| Error::Option(what.to_owned()))
+}
+
+/// The given box.
+///
+/// # Errors
+/// When it has no size that can be squared, when a contour leaves it, when a section lies in
+/// one of its faces, where nothing is on its other side, or as [`bounds_of`].
+fn require_within(sections: &Sections, bounds: Bounds) -> Result<Bounds> {
+    bounds_of(sections)?;
+    let Bounds { min, max } = bounds;
+    let is_finite = min.is_finite() && max.is_finite();
+    if !is_finite || min.abs().max(max.abs()).max_element() > LARGEST_COORDINATE {
+        let what = format!(
+            "the box from {min} to {max}: coordinates must be finite and below \
+             {LARGEST_COORDINATE:e}"
+        );
+        return Err(Error::Option(what));
+    }
+    for section in &sections.sections {
+        let points = || section.segments().flatten();
+        let is_in_face = (0..3).any(|axis| {
+            [min, max].iter().any(|end| points().all(|point| point[axis] == end[axis]))
+        });
+        let what = if points().any(|point| point.clamp(min, max) != point) {
+            "leaves"
+        } else if is_in_face && points().next().is_some() {
+            "lies in a face of"
+        } else {
+            continue;
+        };
+        return Err(Error::Section {
+            section: section.name().to_owned(),
+            what: format!("it {what} the box from {min} to {max}: choose a larger box"),
+        });
+    }
+    Ok(bounds)
+}
+
+/// The box, given or that of the sections, and the grid over it. That of an open box ends on its
+/// faces, and the exact surface has none.
+///
+/// # Errors
+/// As [`require_within`], [`bounds_of`] and [`Lattice::new`](crate::grid::samples::Lattice::new).
+fn frame(sections: &Sections, options: &Options) -> Result<Frame> {
+    let border = match options.method {
+        Method::Variational(Variational { border, .. }) => Some(border),
+        Method::MeanValue(MeanValue { border, .. }) => Some(border),
+        Method::Skeleton(_) => None,
+    };
+    match (options.bounds, options.resolution, border) {
+        (Some(bounds), resolution, _) => Frame::new(require_within(sections, bounds)?, resolution),
+        (None, Resolution::VoxelSize(voxel), Some(Label::OUTSIDE)) => {
+            Frame::fixed(bounds_of(sections)?, voxel)
+        }
+        (None, resolution, _) => Frame::new(bounds_of(sections)?, resolution),
+    }
+}
+
+/// What methods derive from.
+struct Ground<'a> {
+    sections: &'a [Section],
+    frame: Frame,
+    /// Whether what is derived is to be kept for the next change.
+    keeps: bool,
+    /// What was derived from the sections as they were.
+    before: Option<&'a Derived>,
+}
+
+/// The whole way from sections to the mesh.
+pub(crate) fn derive(
+    sections: &Sections,
+    options: &Options,
+    lasting: &mut Lasting,
+    before: Option<&Derived>,
+    stages: &mut Stages,
+    progress: &dyn Progress,
+) -> Result<Derived> {
+    let frame = frame(sections, options)?;
+    require_memory(&frame.lattice, &sections.sections, sections.materials.len())?;
+    // Where the nodes follow the box, fields leave nothing behind: the same sections make the
+    // same then, to the last bit, whatever was before.
+    let keeps = options.bounds.is_some() || frame.is_fixed;
+    let ground = Ground { sections: &sections.sections, frame, keeps, before };
+    match &options.method {
+        Method::Variational(method) => ground.solve(method, lasting, stages, progress),
+        Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
+        Method::Skeleton(method) => ground.build(method, &mut lasting.surfaces, stages, progress),
+    }
+}
+
+impl Ground<'_> {
+    /// Solves for the variational field on the grid.
+    fn solve(
+        &self,
+        method: &Variational,
+        Lasting { fields, solver, .. }: &mut Lasting,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<Derived> {
+        let Self { sections, frame, keeps, .. } = self;
+        let capping = Capping::new(sections, method.caps, method.border, frame.lattice.voxel)?;
+        let (mut samples, device) = stages.run("field", |counts| {
+            let solved =
+                variational(&capping.sections, frame, method, (*keeps, fields), solver, progress)?;
+            counts.insert("leaves".into(), solved.samples.valued.len() as u64);
+            counts.insert("unknowns".into(), solved.effort.unknowns);
+            counts.insert("updates".into(), solved.effort.updates);
+            counts.insert("specks".into(), solved.specks);
+            Ok((solved.samples, solved.device))
+        })?;
+        self.cut(&mut samples, &capping, stages, progress)?;
+        let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
+        Ok(Derived { complex: None, samples, mesh, device, exact: None, blocks })
+    }
+
+    /// Evaluates the mean-value field in the cells between the sections.
+    fn evaluate(
+        &self,
+        method: &MeanValue,
+        lasting: &mut Lasting,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<Derived> {
+        let Self { sections, frame, .. } = self;
+        let Frame { bounds, lattice, .. } = frame;
+        let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
+        let sections = capping.sections.as_ref();
+        let living = stages.run("arrangement", |counts| {
+            progress.go_on()?;
+            progress.begin("arrangement", 0);
+            let (living, touched) =
+                living::follow(&mut lasting.cells, sections, (*bounds, method.border), lattice)?;
+            count(living.complex(), counts);
+            counts.insert("touched".into(), touched as u64);
+            Ok(living)
+        })?;
+        let complex = living.complex();
+        let boundaries = stages.run("completion", |counts| {
+            progress.go_on()?;
+            progress.begin("completion", 0);
+            let clearance = CLEARANCE * lattice.voxel;
+            let before = Some(living.completion());
+            let boundaries = Boundaries::following(complex, clearance, method.spacing, before)?;
+            let completion = boundaries.completion();
+            counts
+                .insert("triangles of unknown regions".into(), completion.triangle_count() as u64);
+            counts.insert("corners".into(), completion.corner_count() as u64);
+            counts.insert("sweeps".into(), completion.sweeps().into());
+            Ok(boundaries)
+        })?;
+        let shares = boundaries.shares();
+        let changed = living.changed(&shares);
+        let (kept, device) = stages.run("field", |counts| {
+            let field = lasting.evaluator.field(&boundaries, method.device)?;
+            let starts = Starts::new(sections, boundaries.completion(), lattice);
+            let field_of = field.as_ref();
+            let sampling = match living.before(lattice, &changed) {
+                Some(before) => {
+                    sample_again(complex, field_of, &starts, before, Margin(1), progress)
+                }
+                None => sample(complex, field_of, &starts, lattice, Margin(1), progress),
+            }?;
+            counts.insert("leaves".into(), sampling.kept.samples.valued.len() as u64);
+            counts.insert("evaluations".into(), sampling.points);
+            Ok((sampling.kept, field.name()))
+        })?;
+        let (complex, completion) = (complex.clone(), boundaries.into_completion());
+        let mut samples = stages.run("smoothing", |counts| {
+            let smoothing = (self.keeps, &mut lasting.smoothing);
+            let solved =
+                smoothed(&kept.samples, sections, frame, method.smooth, smoothing, progress)?;
+            counts.insert("unknowns".into(), solved.effort.unknowns);
+            counts.insert("updates".into(), solved.effort.updates);
+            counts.insert("specks".into(), solved.specks);
+            Ok(solved.samples)
+        })?;
+        living.keep(kept, completion, shares, &changed);
+        self.cut(&mut samples, &capping, stages, progress)?;
+        let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
+        Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None, blocks })
+    }
+
+    /// Cuts samples off where the solid ends.
+    fn cut(
+        &self,
+        samples: &mut Samples,
+        capping: &Capping,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<()> {
+        if !capping.is_cut() {
+            return Ok(());
+        }
+        stages.run("caps", |counts| {
+            progress.go_on()?;
+            progress.begin("caps", 0);
+            let specks = capping.cut(samples, self.sections, self.frame.bounds);
+            counts.insert("leaves".into(), samples.valued.len() as u64);
+            counts.insert("specks".into(), specks as u64);
+            debug_assert_eq!(samples.sanity_check(), Ok(()));
+            Ok(())
+        })
+    }
+
+    /// Builds the exact surface; the samples only say labels. Where there are too
+    /// many partial sections for that, the surface comes from nearest points on the
+    /// grid.
+    fn build(
+        &self,
+        method: &Skeleton,
+        surfaces: &mut KeptSurfaces,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<Derived> {
+        let Self { sections, frame: Frame { bounds, lattice, .. }, .. } = self;
+        let mut made = stages.run("skeleton", |counts| {
+            let made = surfaces.follow(sections, *bounds, &method.exactness, progress)?;
+            counts.insert("cells".into(), made.details.cells.into());
+            counts.insert("cells computed".into(), surfaces.computed().into());
+            counts.insert("vertices".into(), made.mesh.vertices.len() as u64);
+            counts.insert("triangles".into(), made.mesh.triangles.len() as u64);
+            Ok(made)
+        })?;
+        let oracle = Oracle::new(sections, *bounds, Label::OUTSIDE)?;
+        let is_exact = made.details.left_out.is_empty();
+        let samples = stages.run("labels", |counts| {
+            progress.go_on()?;
+            progress.begin("labels", 0);
+            let samples = match is_exact {
+                true => oracle.sample_labels(lattice, progress)?,
+                false => oracle.sample(lattice, progress)?,
+            };
+            counts.insert("leaves".into(), samples.valued.len() as u64);
+            Ok(samples)
+        })?;
+        if !is_exact {
+            made.mesh = self.mesh(&samples, &Mesher::Dual, stages, progress)?.0;
+        } else if let Some(Fairing { edge_length }) = method.fairing {
+            let size = bounds.size().max_element();
+            let edge_length = edge_length.unwrap_or(FAIR_EDGE * size);
+            let options = FairingOptions { edge_length, steps: FAIRING_STEPS };
+            let planes: Vec<Plane> = sections.iter().map(|section| *section.plane()).collect();
+            made.mesh = stages.run("fairing", |counts| {
+                let contours = &made.details.contours;
+                let made = fair(&made.mesh, contours, &planes, &options, progress)?;
+                counts.insert("triangles".into(), made.mesh.triangles.len() as u64);
+                counts.insert("patches".into(), made.patches as u64);
+                counts.insert("patches left as they were".into(), made.left as u64);
+                Ok(made.mesh)
+            })?;
+        }
+        let (device, exact) = ("exact arithmetic".to_owned(), Some(made.details));
+        let blocks = KeptBlocks::default();
+        Ok(Derived { complex: None, samples, mesh: made.mesh, device, exact, blocks })
+    }
+
+    /// The surface of samples, and what is kept of it.
+    fn mesh(
+        &self,
+        samples: &Samples,
+        mesher: &Mesher,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<(Mesh, KeptBlocks)> {
+        stages.run("mesh", |counts| {
+            progress.go_on()?;
+            let (mesh, blocks) = match mesher {
+                Mesher::Dual => {
+                    let before = self.before.and_then(|before| before.on(samples.lattice));
+                    let before = before.as_ref().map(|(samples, blocks)| (&**samples, &**blocks));
+                    dual_again(samples, before, progress)?
+                }
+                Mesher::Delaunay(limits) => {
+                    (delaunay(samples, limits, progress)?, KeptBlocks::default())
+                }
+            };
+            counts.insert("vertices".into(), mesh.vertices.len() as u64);
+            counts.insert("triangles".into(), mesh.triangles.len() as u64);
+            Ok((mesh, if self.keeps { blocks } else { KeptBlocks::default() }))
+        })
+    }
+}
+
+/// The cells between sections, as a stage of its own.
+///
+/// # Errors
+/// CGAL's exceptions, and what its check finds wrong.
+pub(crate) fn arranged(
+    sections: &[Section],
+    bounds: Bounds,
+    border: Label,
+    stages: &mut Stages,
+    progress: &dyn Progress,
+) -> Result<Complex> {
+    stages.run("arrangement", |counts| {
+        progress.begin("arrangement", 0);
+        let complex = Complex::new(sections, bounds, border)?;
+        count(&complex, counts);
+        Ok(complex)
+    })
+}
+
+fn count(complex: &Complex, counts: &mut BTreeMap<String, u64>) {
+    counts.insert("planes".into(), complex.planes().count() as u64);
+    counts.insert("facets".into(), complex.facets().count() as u64);
+    counts.insert("cells".into(), complex.cells().count() as u64);
+}
