@@ -20,13 +20,14 @@ use crate::mesh::Mesh;
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::dual::{KeptBlocks, dual_again};
 use crate::mesh::fairing::{FairingOptions, fair};
-use crate::method::{Fairing, MeanValue, Mesher, Method, Skeleton, Variational};
+use crate::method::{Fairing, MeanValue, Mesher, Method, ShapeBased, Skeleton, Variational};
 use crate::model::Options;
 use crate::oracle::Oracle;
 use crate::plane::{Bounds, Plane};
 use crate::progress::Progress;
 use crate::section::{Section, Sections};
 use crate::skeleton::{Details, Kept as KeptSurfaces};
+use crate::stack::stacked;
 use crate::stage::Stages;
 use crate::variational::smoothing::{KeptSmoothing, smoothed};
 use crate::variational::{Kept, KeptBackend, variational};
@@ -155,6 +156,7 @@ fn frame(sections: &Sections, options: &Options) -> Result<Frame> {
     let border = match options.method {
         Method::Variational(Variational { border, .. }) => Some(border),
         Method::MeanValue(MeanValue { border, .. }) => Some(border),
+        Method::Stack(_) => Some(Label::OUTSIDE),
         Method::Skeleton(_) => None,
     };
     match (options.bounds, options.resolution, border) {
@@ -194,6 +196,7 @@ pub(crate) fn derive(
     match &options.method {
         Method::Variational(method) => ground.solve(method, lasting, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
+        Method::Stack(method) => ground.interpolate(method, stages, progress),
         Method::Skeleton(method) => ground.build(method, &mut lasting.surfaces, stages, progress),
     }
 }
@@ -288,6 +291,27 @@ impl Ground<'_> {
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
         Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None, blocks })
+    }
+
+    /// Interpolates the distances on the sections of a stack.
+    fn interpolate(
+        &self,
+        method: &ShapeBased,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<Derived> {
+        let Self { sections, frame, .. } = self;
+        let capping = Capping::new(sections, method.caps, Label::OUTSIDE, frame.lattice.voxel)?;
+        let mut samples = stages.run("field", |counts| {
+            let samples = stacked(&capping.sections, frame, progress)?;
+            counts.insert("leaves".into(), samples.valued.len() as u64);
+            debug_assert_eq!(samples.sanity_check(), Ok(()));
+            Ok(samples)
+        })?;
+        self.cut(&mut samples, &capping, stages, progress)?;
+        let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
+        let device = format!("cpu (threads: {})", rayon::current_num_threads());
+        Ok(Derived { complex: None, samples, mesh, device, exact: None, blocks })
     }
 
     /// Cuts samples off where the solid ends.

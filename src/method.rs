@@ -3,7 +3,7 @@
 //!
 //! They stand on three seams. A *kernel* is evaluated in the cells of the
 //! complex by a backend ([`MeanValue`]); a *solver* fills the leaves of a grid
-//! ([`Variational`]); and a *surface* is made directly ([`Skeleton`]). The first two
+//! ([`Variational`], [`ShapeBased`]); and a *surface* is made directly ([`Skeleton`]). The first two
 //! make samples, which a mesher turns into a surface.
 
 use crate::field::Device;
@@ -21,6 +21,8 @@ pub enum Method {
     MeanValue(MeanValue),
     /// By the nearest section, exactly (Barequet and Vaxman 2009).
     Skeleton(Skeleton),
+    /// Parallel sections by interpolating distances (Marker et al. 2006).
+    Stack(ShapeBased),
 }
 
 /// The smoothest field through the contours.
@@ -68,6 +70,16 @@ pub struct Skeleton {
     pub exactness: skeleton::Options,
     /// Whether the surface is made fair afterwards.
     pub fairing: Option<Fairing>,
+}
+
+/// Shape-based interpolation of parallel sections that know all of their planes. The box's faces
+/// are outside.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ShapeBased {
+    /// As in [`Variational`].
+    pub caps: Caps,
+    /// How the surface is made from the samples.
+    pub mesher: Mesher,
 }
 
 /// How an exact surface is made fair.
@@ -133,7 +145,7 @@ impl Method {
         match self {
             Self::Variational(own) => own.border,
             Self::MeanValue(own) => own.border,
-            Self::Skeleton(_) => Label::OUTSIDE,
+            Self::Skeleton(_) | Self::Stack(_) => Label::OUTSIDE,
         }
     }
 
@@ -143,6 +155,7 @@ impl Method {
             Self::Variational(own) => own.caps,
             Self::MeanValue(own) => own.caps,
             Self::Skeleton(_) => Caps::Flat,
+            Self::Stack(own) => own.caps,
         }
     }
 
@@ -152,6 +165,7 @@ impl Method {
             Self::Variational(own) => Some(own.mesher),
             Self::MeanValue(own) => Some(own.mesher),
             Self::Skeleton(_) => None,
+            Self::Stack(own) => Some(own.mesher),
         }
     }
 }

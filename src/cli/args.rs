@@ -85,7 +85,7 @@ pub struct ReconstructArguments {
 #[derive(Debug, Clone, Args, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MethodArguments {
-    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, skeleton the nearest section, exactly
+    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, skeleton the nearest section, exactly, stack interpolates distances between parallel sections
     #[arg(long, value_enum, default_value_t = MethodName::Variational)]
     pub method: MethodName,
     #[command(flatten)]
@@ -369,6 +369,7 @@ pub enum MethodName {
     Variational,
     Mvc,
     Skeleton,
+    Stack,
 }
 
 impl MethodName {
@@ -378,6 +379,7 @@ impl MethodName {
             Self::Variational => "variational",
             Self::Mvc => "mvc",
             Self::Skeleton => "skeleton",
+            Self::Stack => "stack",
         }
     }
 }

@@ -4,7 +4,7 @@
 use super::args::{BorderName, CapsName, DeviceName, MesherName, MethodArguments, MethodName};
 use crate::error::{Error, Result};
 use crate::label::Label;
-use crate::method::{Caps, Fairing, MeanValue, Method, Skeleton, Variational};
+use crate::method::{Caps, Fairing, MeanValue, Method, ShapeBased, Skeleton, Variational};
 use crate::skeleton;
 
 /// The method that arguments ask for, with exact coordinates or without.
@@ -24,6 +24,10 @@ pub fn method(arguments: &MethodArguments, exact: bool) -> Result<Method> {
             caps: caps(arguments)?,
             device: device(arguments),
             spacing: arguments.spacing,
+            mesher: arguments.meshing.mesher()?,
+        }),
+        MethodName::Stack => Method::Stack(ShapeBased {
+            caps: caps(arguments)?,
             mesher: arguments.meshing.mesher()?,
         }),
         MethodName::Skeleton => Method::Skeleton(Skeleton {
@@ -62,8 +66,9 @@ fn device(arguments: &MethodArguments) -> crate::field::Device {
 /// Which options there are for some methods alone, whether they are given, and the
 /// methods they are for.
 fn refuse_unused(arguments: &MethodArguments, exact: bool) -> Result<()> {
-    use MethodName::{Mvc, Skeleton, Variational};
-    let of_grid: &[MethodName] = &[Variational, Mvc];
+    use MethodName::{Mvc, Skeleton, Stack, Variational};
+    let of_field: &[MethodName] = &[Variational, Mvc];
+    let of_grid: &[MethodName] = &[Variational, Mvc, Stack];
     let has_caps = |caps: CapsName| arguments.caps == Some(caps);
     let mesher = arguments.meshing.mesher != MesherName::Dual;
     let options = [
@@ -71,8 +76,8 @@ fn refuse_unused(arguments: &MethodArguments, exact: bool) -> Result<()> {
         ("--spacing", arguments.spacing.is_some(), &[Mvc]),
         ("--fair", arguments.fair.is_some(), &[Skeleton]),
         ("--exact", exact, &[Skeleton]),
-        ("--device", arguments.device.is_some(), of_grid),
-        ("--box unknown", is_open(arguments), of_grid),
+        ("--device", arguments.device.is_some(), of_field),
+        ("--box unknown", is_open(arguments), of_field),
         ("--caps rounded", has_caps(CapsName::Rounded), of_grid),
         ("--caps none", has_caps(CapsName::None), of_grid),
         ("--mesher delaunay", mesher, of_grid),

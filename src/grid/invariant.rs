@@ -15,6 +15,12 @@ pub fn node_offset(node: usize) -> [usize; 3] {
     [node / (LEAF_SIDE * LEAF_SIDE), node / LEAF_SIDE % LEAF_SIDE, node % LEAF_SIDE]
 }
 
+/// A node of a leaf in the lattice.
+pub fn node_of(leaf: [i32; 3], node: usize) -> [i32; 3] {
+    let offset = node_offset(node);
+    std::array::from_fn(|axis| leaf[axis] * LEAF_SIDE as i32 + offset[axis] as i32)
+}
+
 /// The leaf next to `at` along an axis, forward or backward.
 pub fn neighbor(at: [i32; 3], axis: usize, forward: bool) -> [i32; 3] {
     let mut next = at;

@@ -5,6 +5,7 @@
 //!                                                           mesh ─► distance (level sets)
 //! ```
 
+pub mod assembly;
 pub mod clip;
 pub mod contour;
 pub mod distance;

@@ -74,6 +74,11 @@ impl Starts {
         leaves.dedup();
         Self(leaves)
     }
+
+    /// These leaves.
+    pub fn leaves(self) -> Vec<[i32; 3]> {
+        self.0
+    }
 }
 
 /// Samples the field wherever its labels change on the lattice, as far as the

@@ -30,10 +30,15 @@ impl Stack {
     /// The stack that sections are, if all of them are parallel and there are
     /// at least three.
     pub fn new(sections: &[Section]) -> Option<Self> {
+        Self::of(sections, FEWEST)
+    }
+
+    /// The same of `fewest` sections or more.
+    pub(crate) fn of(sections: &[Section], fewest: usize) -> Option<Self> {
         let speaks = |section: &Section| section.labels() != [Label::UNKNOWN];
         let own: Vec<usize> =
             (0..sections.len()).filter(|&section| speaks(&sections[section])).collect();
-        if own.len() < FEWEST {
+        if own.len() < fewest.max(1) {
             return None;
         }
         let direction = sections[own[0]].plane.unit_normal();

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::grid::distance::{HALF_WIDTH, band_around, inside};
+use crate::grid::invariant::node_of;
 use crate::grid::leaf_grid::LeafGrid;
 use crate::grid::samples::LEAF_NODES;
 use crate::label::Label;
@@ -23,7 +24,6 @@ use crate::mesh::caps::CAP_TOLERANCE;
 use crate::mesh::nearest::Nearest;
 use crate::plane::Bounds;
 
-use super::label_field::node_of;
 use super::level::Level;
 use super::system::Anchors;
 

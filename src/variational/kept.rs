@@ -22,6 +22,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use crate::grid::frame::Frame;
+use crate::grid::invariant::node_of;
 use crate::grid::leaf::LeafNodes;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, leaf_of};
 use crate::grid::samples::{LEAF_NODES, Lattice};
@@ -31,7 +32,7 @@ use crate::section::Section;
 
 use super::Space;
 use super::differences::mark_differences;
-use super::label_field::{LabelField, Scene, node_of};
+use super::label_field::{LabelField, Scene};
 use super::level::{Level, leaves_between};
 use super::metric::Metric;
 use super::system::System;

@@ -6,14 +6,16 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::grid::assembly::NodeField;
 use crate::grid::distance::HALF_WIDTH;
-use crate::grid::invariant::{node_index, node_offset};
+use crate::grid::invariant::{node_index, node_of};
 use crate::grid::leaf::LeafNodes;
 use crate::grid::leaf_grid::{LeafGrid, LeafSet, around, leaf_of, node_below};
 use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, Lattice};
 use crate::label::Label;
 use crate::progress::Progress;
 use crate::section::Section;
+use crate::segments::Hint;
 
 use super::anchor::{Anchor, Original};
 use super::backend::{Backend, Limits};
@@ -23,7 +25,6 @@ use super::level::{Level, ensure, leaves_between, near_changes, near_points};
 use super::metric::{Direction, Metric};
 use super::outline::Outline;
 use super::plane_samples::{PlaneSample, Region, SAMPLES_PER_EVEN, plane_samples};
-use super::segments::Hint;
 use super::system::{Domain, Pull, SIDE, System};
 use super::{Effort, Space, Weights};
 
@@ -146,15 +147,18 @@ impl LabelField {
         Ok(Self { label, levels, band, effort, kept })
     }
 
-    /// Gives values to leaves of the finest level; those beyond the box, which play no
-    /// role for who reads labels, as they are interpolated.
-    pub fn ensure(&mut self, leaves: impl IntoIterator<Item = [i32; 3]>) {
-        ensure(&mut self.levels, leaves, &|_, _, _, _| ());
+    fn finest(&self) -> &Level {
+        &self.levels[self.levels.len() - 1]
+    }
+}
+
+impl NodeField for LabelField {
+    fn label(&self) -> Label {
+        self.label
     }
 
-    /// The value of a node of the finest level, roughly where no leaf is near.
-    pub fn rough(&self, node: [i32; 3]) -> f32 {
-        let Some(finest) = self.levels.last() else { return 0.0 };
+    fn rough(&self, node: [i32; 3]) -> f32 {
+        let finest = self.finest();
         let at = finest.lattice.position(node);
         for level in self.levels.iter().rev() {
             let place = ((at - level.lattice.origin) / level.lattice.voxel).round();
@@ -163,6 +167,29 @@ impl LabelField {
             }
         }
         0.0
+    }
+
+    /// Those beyond the box, which play no role for who reads labels, as they are interpolated.
+    fn ensure(&mut self, leaves: Vec<[i32; 3]>) {
+        ensure(&mut self.levels, leaves, &|_, _, _, _| ());
+    }
+
+    fn grid(&self) -> &LeafGrid {
+        &self.finest().grid
+    }
+
+    fn grid_mut(&mut self) -> &mut LeafGrid {
+        let finest = self.levels.len() - 1;
+        &mut self.levels[finest].grid
+    }
+
+    fn into_grid(mut self) -> LeafGrid {
+        let finest = self.levels.len() - 1;
+        self.levels.swap_remove(finest).grid
+    }
+
+    fn has(&self, node: [i32; 3]) -> bool {
+        self.finest().domain.has(node)
     }
 }
 
@@ -551,12 +578,6 @@ fn spread(number: u64) -> u64 {
         .into_iter()
         .chain([(4, 0x10c3_0c30_c30c_30c3), (2, 0x1249_2492_4924_9249)])
         .fold(number & 0x1f_ffff, |bits, (by, mask)| (bits | bits << by) & mask)
-}
-
-/// A node of a leaf in the lattice.
-pub fn node_of(leaf: [i32; 3], node: usize) -> [i32; 3] {
-    let offset = node_offset(node);
-    std::array::from_fn(|axis| leaf[axis] * SIDE + offset[axis] as i32)
 }
 
 /// The value at a place given in nodes, where all nodes around it have one.

@@ -38,11 +38,10 @@
 //! The same energy smooths a surface that another method made ([`smoothing`]).
 //!
 //! ```text
-//! metric ─► outline, plane_samples ─► label_field: level ─► system ─► backend ─► level … ─► assembly ─► Samples
+//! metric ─► outline, plane_samples ─► label_field: level ─► system ─► backend ─► level … ─► grid::assembly ─► Samples
 //! ```
 
 mod anchor;
-mod assembly;
 mod backend;
 mod cpu;
 mod differences;
@@ -52,8 +51,7 @@ mod label_field;
 mod level;
 mod metric;
 mod outline;
-mod plane_samples;
-mod segments;
+pub(crate) mod plane_samples;
 pub mod smoothing;
 mod space;
 pub(crate) mod specks;
@@ -70,6 +68,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::field::{Adapter, Device};
+use crate::grid::assembly::assemble;
 use crate::grid::frame::Frame;
 use crate::grid::samples::{Lattice, Samples};
 use crate::label::Label;
@@ -192,7 +191,10 @@ fn solve(
     }
     let metric = before.as_ref().map_or(scene.metric, Before::metric);
     *kept = keeps.then(|| Kept::new(&scene, metric, &mut fields));
-    let mut samples = assembly::assemble(fields, &scene);
+    let open = scene.is_open.then_some(scene.space.frame.bounds);
+    let starts = fields.iter().flat_map(|field| field.band.iter().copied()).collect();
+    let lattice = scene.space.lattices[scene.space.lattices.len() - 1];
+    let mut samples = assemble(fields, starts, lattice, open);
     let specks = remove_specks(&mut samples, scene.sections, scene.space.frame.bounds) as u64;
     Ok(Solved { samples, effort, specks, device: scene.backend.name() })
 }
@@ -263,7 +265,7 @@ fn scene<'a>(
 
 /// The labels that get a field: with a single material that one alone, since the
 /// field of *outside* is the same but for its sign.
-fn labels(sections: &[Section]) -> Vec<Label> {
+pub(crate) fn labels(sections: &[Section]) -> Vec<Label> {
     let mut labels: Vec<Label> = sections.iter().flat_map(Section::labels).collect();
     labels.retain(|label| label.is_material());
     labels.sort_unstable();

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use crate::label::Label;
 use crate::section::Section;
+use crate::segments::{Hint, SegmentTree};
 
 use super::metric::Metric;
-use super::segments::{Hint, SegmentTree};
 
 /// A label's contours on all sections: the edges between it and another known
 /// label.

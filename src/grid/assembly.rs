@@ -2,14 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::grid::invariant::{differs_near_face, faces, neighbor};
-use crate::grid::leaf::{Leaf, LeafNodes, LeafOf, LeafValues};
-use crate::grid::leaf_grid::{LeafGrid, LeafSet, NO_SLOT};
-use crate::grid::samples::{LEAF_NODES, LEAF_SIDE, LabelValues, Lattice, Samples, Values};
 use crate::label::Label;
+use crate::plane::Bounds;
 
-use super::label_field::{LabelField, Scene, node_of};
-use super::level::Level;
+use super::invariant::{differs_near_face, faces, neighbor, node_of};
+use super::leaf::{Leaf, LeafNodes, LeafOf, LeafValues};
+use super::leaf_grid::{LeafGrid, LeafSet, NO_SLOT};
+use super::samples::{LEAF_NODES, LEAF_SIDE, LabelValues, Lattice, Samples, Values};
 
 /// A label whose field is lower than this all over a leaf, in voxels, is not kept
 /// there: it is farther away than the leaf's nodes are from each other.
@@ -19,14 +18,38 @@ static FAR_LEAF: LeafNodes = [FAR; LEAF_NODES];
 /// What is beyond a closed box.
 const BEYOND: f32 = 1.0;
 
-/// The samples of some fields. They keep the values where these are.
-pub fn assemble(fields: Vec<LabelField>, scene: &Scene) -> Samples {
-    let lattice = scene.space.lattices[scene.space.lattices.len() - 1];
+/// One label's field on a lattice: about the distance to its surface in voxels, positive where
+/// the label is.
+pub trait NodeField: Send + Sync {
+    /// The label.
+    fn label(&self) -> Label;
+    /// The value of a node, roughly where no leaf is near.
+    fn rough(&self, node: [i32; 3]) -> f32;
+    /// Gives values to leaves, if they have none.
+    fn ensure(&mut self, leaves: Vec<[i32; 3]>);
+    /// The values that leaves were given.
+    fn grid(&self) -> &LeafGrid;
+    /// The same, to be changed.
+    fn grid_mut(&mut self) -> &mut LeafGrid;
+    /// The same alone.
+    fn into_grid(self) -> LeafGrid;
+    /// Whether the field has a value at a node, and not only the leaf that it is in.
+    fn has(&self, node: [i32; 3]) -> bool;
+}
+
+/// The samples of some fields in a box, found from where leaves start on. They keep the values
+/// where these are.
+pub fn assemble<F: NodeField>(
+    fields: Vec<F>,
+    starts: Vec<[i32; 3]>,
+    lattice: Lattice,
+    open: Option<Bounds>,
+) -> Samples {
     let tiles = tiles(&fields, &lattice);
     let taken = LeafSet::new(&LeafGrid::new([0; 3], lattice.dims));
-    let mut assembly = Assembly { scene, lattice, fields, tiles, taken };
-    let bands = assembly.fields.iter().flat_map(|field| field.band.iter().copied());
-    let mut wave: Vec<[i32; 3]> = bands.chain(assembly.changes_of_tiles()).collect();
+    let mut assembly = Assembly { open, lattice, fields, tiles, taken };
+    let mut wave = starts;
+    wave.extend(assembly.changes_of_tiles());
     while !wave.is_empty() {
         wave.sort_unstable();
         wave.retain(|&leaf| assembly.taken.insert(leaf));
@@ -42,7 +65,7 @@ fn middle(leaf: [i32; 3]) -> [i32; 3] {
 }
 
 /// The label of every leaf's middle.
-fn tiles(fields: &[LabelField], lattice: &Lattice) -> Vec<Label> {
+fn tiles<F: NodeField>(fields: &[F], lattice: &Lattice) -> Vec<Label> {
     let label = |index: usize| {
         let node = middle(lattice.leaf_at(index));
         if !lattice.is_inner(node) {
@@ -52,7 +75,7 @@ fn tiles(fields: &[LabelField], lattice: &Lattice) -> Vec<Label> {
         for field in fields {
             let value = field.rough(node);
             if value > best.1 {
-                best = (field.label, value);
+                best = (field.label(), value);
             }
         }
         best.0
@@ -61,23 +84,24 @@ fn tiles(fields: &[LabelField], lattice: &Lattice) -> Vec<Label> {
 }
 
 /// Samples in the making.
-struct Assembly<'a> {
-    scene: &'a Scene<'a>,
+struct Assembly<F> {
+    open: Option<Bounds>,
     lattice: Lattice,
-    fields: Vec<LabelField>,
+    fields: Vec<F>,
     tiles: Vec<Label>,
     /// The leaves with values.
     taken: LeafSet,
 }
 
-impl Assembly<'_> {
+impl<F: NodeField> Assembly<F> {
     /// Gives leaves the values of all labels that are near.
     fn take(&mut self, leaves: &[[i32; 3]]) {
         for field in &mut self.fields {
             let near = leaves.iter().copied().filter(|&leaf| field.rough(middle(leaf)) > FAR);
             let near: Vec<[i32; 3]> = near.collect();
             field.ensure(near);
-            leaves.iter().for_each(|&leaf| settle(field, self.scene.is_open, leaf));
+            let is_open = self.open.is_some();
+            leaves.iter().for_each(|&leaf| settle(field, &self.lattice, is_open, leaf));
         }
     }
 
@@ -116,10 +140,11 @@ impl Assembly<'_> {
 
     /// The fields' own values, less what the samples do not need.
     fn into_samples(self) -> Samples {
-        let Self { scene, lattice, fields, tiles, taken } = self;
+        let Self { open, lattice, fields, tiles, taken } = self;
         let (valued, several) = (taken.sorted(), fields.len() > 1);
-        let own = |LabelField { label, mut levels, .. }: LabelField| {
-            let mut grid = levels.pop()?.grid;
+        let own = |field: F| {
+            let label = field.label();
+            let mut grid = field.into_grid();
             grid.retain(|leaf, values| taken.has(leaf) && is_near(label, values, several));
             if label == Label::OUTSIDE {
                 let added = grid.add(valued.iter().copied());
@@ -129,15 +154,14 @@ impl Assembly<'_> {
             (!grid.leaves().is_empty()).then_some(LabelValues { label, grid })
         };
         let fields = fields.into_par_iter().filter_map(own).collect();
-        let open = scene.is_open.then_some(scene.space.frame.bounds);
         Samples { lattice, valued, fields, tiles, open, values: Values::Distances }
     }
 }
 
 /// A field's values in a leaf, where it is near.
-fn in_leaf(field: &LabelField, at: [i32; 3], several: bool) -> Option<LeafValues<&LeafNodes>> {
-    let label = field.label;
-    let values = match field.levels.last()?.grid.get(at) {
+fn in_leaf<F: NodeField>(field: &F, at: [i32; 3], several: bool) -> Option<LeafValues<&LeafNodes>> {
+    let label = field.label();
+    let values = match field.grid().get(at) {
         None if label == Label::OUTSIDE => &FAR_LEAF,
         values => values?,
     };
@@ -151,30 +175,34 @@ fn is_near(label: Label, values: &LeafNodes, several: bool) -> bool {
 
 /// Gives those nodes of a leaf, if it is there, that are not inside the box the values
 /// that samples have there.
-fn settle(field: &mut LabelField, is_open: bool, leaf: [i32; 3]) {
-    let LabelField { label, levels, .. } = field;
-    let Some(level) = levels.last_mut() else { return };
-    let slot = level.grid.slot(leaf);
-    let is_inner = |node: usize| level.lattice.is_inner(node_of(leaf, node));
+fn settle<F: NodeField>(field: &mut F, lattice: &Lattice, is_open: bool, leaf: [i32; 3]) {
+    let slot = field.grid().slot(leaf);
+    let is_inner = |node: usize| lattice.is_inner(node_of(leaf, node));
     if slot == NO_SLOT || is_inner(0) && is_inner(LEAF_NODES - 1) {
         return;
     }
     for node in 0..LEAF_NODES {
         let at = node_of(leaf, node);
-        if !level.lattice.is_inner(at) {
-            let own = level.grid.leaf(slot)[node];
-            level.grid.leaf_mut(slot)[node] = value_beyond(*label, level, is_open, at, own);
+        if !lattice.is_inner(at) {
+            let own = field.grid().leaf(slot)[node];
+            field.grid_mut().leaf_mut(slot)[node] = value_beyond(field, lattice, is_open, at, own);
         }
     }
 }
 
 /// The value of a node that is not inside the box: beyond an open one that of the
 /// nearest node inside, beyond a closed one something outside.
-fn value_beyond(label: Label, level: &Level, is_open: bool, node: [i32; 3], own: f32) -> f32 {
+fn value_beyond<F: NodeField>(
+    field: &F,
+    lattice: &Lattice,
+    is_open: bool,
+    node: [i32; 3],
+    own: f32,
+) -> f32 {
     if is_open {
-        return level.grid.value(level.lattice.nearest_inner(node)).unwrap_or(own);
+        return field.grid().value(lattice.nearest_inner(node)).unwrap_or(own);
     }
-    match (label == Label::OUTSIDE, level.domain.has(node)) {
+    match (field.label() == Label::OUTSIDE, field.has(node)) {
         (true, true) => own.max(BEYOND),
         (false, true) => own.min(-BEYOND / 16.0),
         (true, false) => BEYOND,

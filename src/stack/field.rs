@@ -1,0 +1,199 @@
+//! The field of one label in a stack.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::grid::assembly::NodeField;
+use crate::grid::invariant::node_of;
+use crate::grid::leaf::LeafNodes;
+use crate::grid::leaf_grid::{LeafGrid, NO_SLOT};
+use crate::grid::samples::{LEAF_NODES, Lattice};
+use crate::label::Label;
+
+use super::slices::{Place, Slices};
+use super::spline::Spline;
+
+/// The signed distances to a label's contours on all slices, interpolated.
+pub struct StackField<'a> {
+    label: Label,
+    lattice: Lattice,
+    slices: &'a Slices<'a>,
+    spline: &'a Spline,
+    /// How far it is rounded beyond the first slice and beyond the last, in voxels.
+    radii: [f64; 2],
+    /// For every slice and every pixel the distance, and the slope of its column.
+    values: Vec<Vec<f32>>,
+    slopes: Vec<Vec<f32>>,
+    grid: LeafGrid,
+}
+
+impl<'a> StackField<'a> {
+    /// Of a label; `labels` are those of every slice's pixels.
+    ///
+    /// # Errors
+    /// When it is cancelled.
+    pub fn new(
+        (slices, spline): (&'a Slices<'a>, &'a Spline),
+        label: Label,
+        labels: &[Vec<Label>],
+        lattice: Lattice,
+        radii: [f64; 2],
+        go_on: impl Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let mut drawn = Vec::with_capacity(labels.len());
+        for (slice, labels) in labels.iter().enumerate() {
+            go_on()?;
+            drawn.push(slices.distances(slice, label, labels).map(|image| image.filtered().values));
+        }
+        let values: Vec<Vec<f32>> = (0..labels.len())
+            .map(|slice| match &drawn[slice] {
+                Some(image) => image.clone(),
+                None => undrawn(slice, &drawn, &slices.heights, labels[slice].contains(&label)),
+            })
+            .collect();
+        go_on()?;
+        let slopes = slopes(spline, &values, slices.pixels());
+        let grid = LeafGrid::new([0; 3], lattice.dims);
+        Ok(Self { label, lattice, slices, spline, radii, values, slopes, grid })
+    }
+
+    /// The value at a place: of its column, or between the four around it.
+    fn value(&self, Place { pixel: at, height }: Place) -> f64 {
+        let low = at.floor();
+        let part = at - low;
+        let span = self.spline.place(height);
+        let (width, rows) = (self.slices.width(), self.slices.pixels() / self.slices.width());
+        let pixel = |right: usize, up: usize| {
+            let x = (low.x.max(0.0) as usize + right).min(width - 1);
+            let y = (low.y.max(0.0) as usize + up).min(rows - 1);
+            y * width + x
+        };
+        let column = |right: usize, up: usize| {
+            let pixel = pixel(right, up);
+            let of =
+                |images: &[Vec<f32>]| [0, 1].map(|next| f64::from(images[span.0 + next][pixel]));
+            self.spline.value(span, of(&self.values), of(&self.slopes))
+        };
+        let between = |column: &dyn Fn(usize, usize) -> f64| {
+            let mut sum = 0.0;
+            for (right, along) in [(0, 1.0 - part.x), (1, part.x)] {
+                for (up, across) in [(0, 1.0 - part.y), (1, part.y)] {
+                    if along * across > 0.0 {
+                        sum += along * across * column(right, up);
+                    }
+                }
+            }
+            sum
+        };
+        let own = between(&column);
+        let heights = self.spline.heights();
+        let beyond = [heights[0] - height, height - heights[heights.len() - 1]];
+        let Some(end) = beyond.iter().position(|&beyond| beyond > 0.0) else { return own };
+        let slope = between(&|right, up| {
+            f64::from(self.slopes[end * (heights.len() - 1)][pixel(right, up)])
+        });
+        // Of the solid, inward positive, and outward: away from the stack.
+        let sign = if self.label == Label::OUTSIDE { -1.0 } else { 1.0 };
+        let narrowing = (sign * if end == 0 { -slope } else { slope }).min(0.0);
+        sign * rounded(sign * own + narrowing * beyond[end], beyond[end], self.radii[end])
+    }
+
+    fn leaf(&self, leaf: [i32; 3]) -> LeafNodes {
+        let value = |node| {
+            let point = self.lattice.position(node_of(leaf, node));
+            self.value(self.slices.place(point)) as f32
+        };
+        std::array::from_fn::<f32, LEAF_NODES, _>(value)
+    }
+}
+
+/// How deep a place is in a solid that ends beyond a slice: its edge is rounded with a radius,
+/// and so far beyond is its end. `depth` is how deep it is within the slice.
+fn rounded(depth: f64, beyond: f64, radius: f64) -> f64 {
+    radius - (radius - depth).max(0.0).hypot(beyond)
+}
+
+/// What a slice without contours of a label says: the label ends, or begins, about halfway to the next
+/// slices that have some, and earlier toward its edge there.
+fn undrawn(slice: usize, drawn: &[Option<Vec<f32>>], heights: &[f64], is_all: bool) -> Vec<f32> {
+    let sign = if is_all { 1.0 } else { -1.0 };
+    let pixels = drawn.iter().flatten().next().map_or(0, Vec::len);
+    let below = (0..slice).rev().find(|&other| drawn[other].is_some());
+    let above = (slice + 1..drawn.len()).find(|&other| drawn[other].is_some());
+    let next: Vec<(&Vec<f32>, f32)> = [below, above]
+        .into_iter()
+        .flatten()
+        .filter_map(|other| {
+            let half = 0.5 * (heights[slice] - heights[other]).abs();
+            Some((drawn[other].as_ref()?, half as f32))
+        })
+        .collect();
+    let distance = |pixel: usize| {
+        next.iter().map(|(image, half)| image[pixel].abs().max(*half)).fold(f32::INFINITY, f32::min)
+    };
+    (0..pixels).into_par_iter().map(|pixel| sign * distance(pixel)).collect()
+}
+
+/// The slopes of all columns, as images.
+fn slopes(spline: &Spline, values: &[Vec<f32>], pixels: usize) -> Vec<Vec<f32>> {
+    const CHUNK: usize = 1024;
+    let count = values.len();
+    let of_chunk = |start: usize| {
+        let end = pixels.min(start + CHUNK);
+        let (mut column, mut own) = (vec![0.0; count], vec![0.0; count]);
+        let mut found = vec![0.0; count * (end - start)];
+        for pixel in start..end {
+            column.iter_mut().zip(values).for_each(|(own, image)| *own = image[pixel].into());
+            spline.slopes(&column, &mut own);
+            for (slice, slope) in own.iter().enumerate() {
+                found[slice * (end - start) + pixel - start] = *slope as f32;
+            }
+        }
+        found
+    };
+    let starts: Vec<usize> = (0..pixels).step_by(CHUNK).collect();
+    let chunks: Vec<Vec<f32>> = starts.into_par_iter().map(of_chunk).collect();
+    let image = |slice: usize| {
+        let part = |chunk: &Vec<f32>| {
+            let size = chunk.len() / count;
+            chunk[slice * size..(slice + 1) * size].to_vec()
+        };
+        chunks.iter().flat_map(part).collect()
+    };
+    (0..count).into_par_iter().map(image).collect()
+}
+
+impl NodeField for StackField<'_> {
+    fn label(&self) -> Label {
+        self.label
+    }
+
+    fn rough(&self, node: [i32; 3]) -> f32 {
+        self.value(self.slices.place(self.lattice.position(node))) as f32
+    }
+
+    fn ensure(&mut self, leaves: Vec<[i32; 3]>) {
+        let is_missing = |&leaf: &[i32; 3]| self.grid.slot(leaf) == NO_SLOT;
+        let missing: Vec<[i32; 3]> = leaves.into_iter().filter(is_missing).collect();
+        let values: Vec<LeafNodes> = missing.par_iter().map(|&leaf| self.leaf(leaf)).collect();
+        for (leaf, values) in missing.into_iter().zip(values) {
+            self.grid.insert(leaf, &values);
+        }
+    }
+
+    fn grid(&self) -> &LeafGrid {
+        &self.grid
+    }
+
+    fn grid_mut(&mut self) -> &mut LeafGrid {
+        &mut self.grid
+    }
+
+    fn into_grid(self) -> LeafGrid {
+        self.grid
+    }
+
+    fn has(&self, _node: [i32; 3]) -> bool {
+        true
+    }
+}
