@@ -5,7 +5,8 @@
 //! preserving cubic interpolation, SIAM Journal on Scientific and Statistical Computing 4, 1983;
 //! Marker et al. §2.4). At a local extremum his rule lets a column overshoot; where that would
 //! make it change its sign between two values of one sign, which is a blob that no section shows,
-//! the slope there is 0.
+//! slopes are less (J. W. Schmidt and W. Hess, Positivity of cubic polynomials on intervals and
+//! positive spline interpolation, BIT 28, 1988).
 
 /// Heights of values, and what their natural spline needs of them.
 #[derive(Debug, Clone)]
@@ -97,45 +98,16 @@ impl Spline {
                 false => slope.clamp(-most, most),
             };
         }
-        // What becomes 0 at one end of an interval may let its other end overshoot.
-        let is_extremum = |at: usize| {
-            let [before, after] = sides(at);
-            before * after <= 0.0
-        };
-        let mut is_settled = false;
-        while !is_settled {
-            is_settled = true;
-            for interval in 0..count - 1 {
-                let is_steep = |at: &usize| slopes[*at] != 0.0 && is_extremum(*at);
-                let steep: Vec<usize> =
-                    [interval, interval + 1].into_iter().filter(is_steep).collect();
-                if !steep.is_empty() && self.changes_sign(interval, values, slopes) {
-                    steep.into_iter().for_each(|at| slopes[at] = 0.0);
-                    is_settled = false;
-                }
+        for interval in 0..count - 1 {
+            let [from, to] = [values[interval], values[interval + 1]];
+            if from * to < 0.0 {
+                continue;
             }
+            // All of Bézier's ordinates are on one side then.
+            let (sign, rate) = ((from + to).signum(), 3.0 / self.width(interval));
+            slopes[interval] = sign * (sign * slopes[interval]).max(-rate * from.abs());
+            slopes[interval + 1] = sign * (sign * slopes[interval + 1]).min(rate * to.abs());
         }
-    }
-
-    /// Whether the cubic between two values of one sign has another one somewhere.
-    fn changes_sign(&self, interval: usize, values: &[f64], slopes: &[f64]) -> bool {
-        let [from, to] = [values[interval], values[interval + 1]];
-        if from * to < 0.0 || from == 0.0 && to == 0.0 {
-            return false;
-        }
-        let sign = (from + to).signum();
-        let width = self.width(interval);
-        let [rise_from, rise_to] = [slopes[interval], slopes[interval + 1]].map(|own| own * width);
-        // Its derivative by the part of the way: a t² + b t + c.
-        let a = 6.0 * (from - to) + 3.0 * (rise_from + rise_to);
-        let b = 6.0 * (to - from) - 4.0 * rise_from - 2.0 * rise_to;
-        let c = rise_from;
-        let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
-        let q = -0.5 * (b + b.signum() * root);
-        [q / a, c / q]
-            .into_iter()
-            .filter(|part| *part > 0.0 && *part < 1.0)
-            .any(|part| sign * hermite([from, to], [rise_from, rise_to], part) < 0.0)
     }
 
     /// The interval that a height lies in, and the part of the way through it; beyond the ends
