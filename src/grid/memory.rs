@@ -42,13 +42,21 @@ pub fn estimate_memory(lattice: &Lattice, sections: &[Section], materials: usize
 /// # Errors
 /// [`Error::Memory`] says how much it would take.
 pub fn require_memory(lattice: &Lattice, sections: &[Section], materials: usize) -> Result<()> {
+    let [x, y, z] = lattice.dims;
     let needed = estimate_memory(lattice, sections, materials);
+    require_bytes(needed, || format!("a grid of {x} × {y} × {z} nodes"))
+}
+
+/// Refuses what a grid needs, and would not fit.
+///
+/// # Errors
+/// As [`require_memory`].
+pub(crate) fn require_bytes(needed: u64, what: impl Fn() -> String) -> Result<()> {
     let available = available_memory();
     if needed <= available {
         return Ok(());
     }
-    let [x, y, z] = lattice.dims;
-    let what = format!("a grid of {x} × {y} × {z} nodes");
+    let what = what();
     Err(Error::Memory { what, needed, available }.avoidable(Remedy::CoarserLattice))
 }
 

@@ -45,12 +45,14 @@ impl<'a> StackField<'a> {
             go_on()?;
             drawn.push(slices.distances(slice, label, labels).map(|image| image.filtered().values));
         }
-        let values: Vec<Vec<f32>> = (0..labels.len())
-            .map(|slice| match &drawn[slice] {
-                Some(image) => image.clone(),
-                None => undrawn(slice, &drawn, &slices.heights, labels[slice].contains(&label)),
+        let missing: Vec<Option<Vec<f32>>> = (0..labels.len())
+            .map(|slice| {
+                let is_all = || labels[slice].contains(&label);
+                drawn[slice].is_none().then(|| undrawn(slice, &drawn, &slices.heights, is_all()))
             })
             .collect();
+        let both = drawn.into_iter().zip(missing);
+        let values: Vec<Vec<f32>> = both.filter_map(|(own, missing)| own.or(missing)).collect();
         go_on()?;
         let slopes = slopes(spline, &values, slices.pixels());
         let grid = LeafGrid::new([0; 3], lattice.dims);

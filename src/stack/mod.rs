@@ -29,6 +29,7 @@ use crate::error::Result;
 use crate::grid::assembly::assemble;
 use crate::grid::contour::segments;
 use crate::grid::frame::Frame;
+use crate::grid::memory::require_bytes;
 use crate::grid::samples::Samples;
 use crate::grid::sampling::Starts;
 use crate::label::Label;
@@ -40,10 +41,16 @@ use field::StackField;
 use slices::Slices;
 use spline::Spline;
 
+/// Of a pixel of every slice: its distance and its slope for a label, and besides what is said
+/// there, and slopes twice while they are found.
+const BYTES_PER_LABEL: u64 = 8;
+const BYTES_PER_PIXEL: u64 = 8;
+
 /// The samples of a stack in a box whose faces are outside.
 ///
 /// # Errors
-/// When sections are not a stack: not parallel, fewer than two, or partly unknown.
+/// When sections are not a stack: not parallel, fewer than two, or partly unknown; or when their
+/// images would not fit into memory.
 pub(crate) fn stacked(
     sections: &[Section],
     frame: &Frame,
@@ -52,9 +59,13 @@ pub(crate) fn stacked(
     let lattice = frame.lattice;
     let slices = Slices::new(sections, &lattice)?;
     let materials = labels(sections);
+    let count = slices.heights.len();
+    let images = (BYTES_PER_LABEL * materials.len() as u64 + BYTES_PER_PIXEL) * count as u64;
+    require_bytes(images.saturating_mul(slices.pixels() as u64), || {
+        format!("images of {count} slices for each of {} labels", materials.len())
+    })?;
     progress.begin("field", materials.len() as u64);
-    let drawn: Vec<Vec<Label>> =
-        (0..slices.heights.len()).map(|slice| slices.labels(slice)).collect();
+    let drawn: Vec<Vec<Label>> = (0..count).map(|slice| slices.labels(slice)).collect();
     let spline = Spline::new(slices.heights.clone());
     let reaches = reach::reaches(sections);
     let radii = slices.ends().map(|end| 0.5 * reaches[end] / lattice.voxel);

@@ -330,17 +330,25 @@ mod tests {
         assert!(Arc::ptr_eq(&opened[0], &opened[1]));
     }
 
+    /// A GPU, or without an adapter none.
+    fn any_gpu(boundaries: &Boundaries) -> Option<Gpu> {
+        match Gpu::new(boundaries, Adapter::Any) {
+            Ok(gpu) => Some(gpu),
+            Err(Error::Device(_)) => {
+                println!("skipped: no wgpu adapter");
+                None
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+
     #[test]
     fn only_cells_that_are_asked_for_are_uploaded() {
         let mut random = Random::new(33);
         let stack = busy_stack(&mut random, 5, 10);
         let complex = stack.complex();
         let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
-        let gpu = match Gpu::new(&boundaries, Adapter::Any) {
-            Ok(gpu) => gpu,
-            Err(Error::Device(_)) => return println!("skipped: no wgpu adapter"),
-            Err(other) => panic!("{other}"),
-        };
+        let Some(gpu) = any_gpu(&boundaries) else { return };
         let all = stack.queries(&mut random, 200);
         let mut some = Queries::default();
         for run in all.runs.iter().filter(|run| run.cell % 2 == 1) {
@@ -364,11 +372,7 @@ mod tests {
         let stack = busy_stack(&mut random, 3, 10);
         let complex = stack.complex();
         let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
-        let gpu = match Gpu::new(&boundaries, Adapter::Any) {
-            Ok(gpu) => gpu,
-            Err(Error::Device(_)) => return println!("skipped: no wgpu adapter"),
-            Err(other) => panic!("{other}"),
-        };
+        let Some(gpu) = any_gpu(&boundaries) else { return };
         let queries = stack.queries(&mut random, 3000);
         let right = gpu.evaluate(&queries).unwrap();
         let stale: Vec<f32> = right.iter().map(|f| f * 0.5).collect();
