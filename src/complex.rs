@@ -126,6 +126,11 @@ impl Complex {
         &self.cells
     }
 
+    /// Whether there is an unknown region on a facet.
+    pub fn is_partial(&self) -> bool {
+        self.facets.values().any(|facet| facet.labels.binary_search(&Label::UNKNOWN).is_ok())
+    }
+
     /// The facets around a cell.
     pub fn facets_of(&self, cell: u32) -> impl Iterator<Item = (u32, &Facet)> {
         self.cells[cell].facets.iter().map(|&facet| (facet, &self.facets[facet]))

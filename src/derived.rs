@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use crate::capping::Capping;
 use crate::complex::Complex;
 use crate::error::{Error, Result};
-use crate::field::{Boundaries, Evaluator};
+use crate::field::{Boundaries, Evaluator, hermite};
 use crate::grid::frame::Frame;
 use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_memory;
@@ -20,7 +20,9 @@ use crate::mesh::Mesh;
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::dual::{KeptBlocks, dual_again};
 use crate::mesh::fairing::{FairingOptions, fair};
-use crate::method::{Fairing, MeanValue, Mesher, Method, ShapeBased, Skeleton, Variational};
+use crate::method::{
+    Fairing, Hermite, MeanValue, Mesher, Method, ShapeBased, Skeleton, Variational,
+};
 use crate::model::Options;
 use crate::oracle::Oracle;
 use crate::plane::{Bounds, Plane};
@@ -29,6 +31,7 @@ use crate::section::{Section, Sections};
 use crate::skeleton::{Details, Kept as KeptSurfaces};
 use crate::stack::stacked;
 use crate::stage::Stages;
+use crate::variational::specks::remove_specks;
 use crate::variational::smoothing::{KeptSmoothing, smoothed};
 use crate::variational::{Kept, KeptBackend, variational};
 
@@ -156,6 +159,7 @@ fn frame(sections: &Sections, options: &Options) -> Result<Frame> {
     let border = match options.method {
         Method::Variational(Variational { border, .. }) => Some(border),
         Method::MeanValue(MeanValue { border, .. }) => Some(border),
+        Method::Hermite(Hermite { border, .. }) => Some(border),
         Method::Stack(_) => Some(Label::OUTSIDE),
         Method::Skeleton(_) => None,
     };
@@ -196,6 +200,7 @@ pub(crate) fn derive(
     match &options.method {
         Method::Variational(method) => ground.solve(method, lasting, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
+        Method::Hermite(method) => ground.blend(method, &mut lasting.evaluator, stages, progress),
         Method::Stack(method) => ground.interpolate(method, stages, progress),
         Method::Skeleton(method) => ground.build(method, &mut lasting.surfaces, stages, progress),
     }
@@ -288,6 +293,55 @@ impl Ground<'_> {
             Ok(solved.samples)
         })?;
         living.keep(kept, completion, shares, &changed);
+        self.cut(&mut samples, &capping, stages, progress)?;
+        let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
+        Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None, blocks })
+    }
+
+    /// Interpolates distances and their gradients in the cells between the sections.
+    fn blend(
+        &self,
+        method: &Hermite,
+        evaluator: &mut Evaluator,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<Derived> {
+        let Self { sections, frame, .. } = self;
+        let Frame { bounds, lattice, .. } = frame;
+        let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
+        let sections = capping.sections.as_ref();
+        progress.go_on()?;
+        let complex = arranged(sections, *bounds, method.border, stages, progress)?;
+        let boundaries = stages.run("completion", |counts| {
+            progress.go_on()?;
+            progress.begin("completion", 0);
+            let spacing = method.interpolation.spacing;
+            let boundaries = Boundaries::new(&complex, CLEARANCE * lattice.voxel, spacing)?;
+            let triangles = boundaries.completion().triangle_count();
+            counts.insert("triangles of unknown regions".into(), triangles as u64);
+            Ok(boundaries)
+        })?;
+        let nodes = stages.run("triangulation", |counts| {
+            progress.go_on()?;
+            progress.begin("triangulation", 0);
+            let nodes = hermite::Nodes::new(&boundaries, sections, &method.interpolation)?;
+            counts.insert("triangles".into(), nodes.triangle_count() as u64);
+            Ok(nodes)
+        })?;
+        let (mut samples, device) = stages.run("field", |counts| {
+            let (device, voxel) = (method.device, lattice.voxel);
+            let field = evaluator.hermite(&boundaries, &nodes, &method.interpolation, voxel, device)?;
+            let starts = Starts::new(sections, boundaries.completion(), lattice);
+            let sampling =
+                sample(&complex, field.as_ref(), &starts, lattice, Margin(1), progress)?;
+            let mut samples = sampling.kept.samples;
+            let specks = remove_specks(&mut samples, sections, *bounds);
+            counts.insert("leaves".into(), samples.valued.len() as u64);
+            counts.insert("evaluations".into(), sampling.points);
+            counts.insert("specks".into(), specks as u64);
+            debug_assert_eq!(samples.sanity_check(), Ok(()));
+            Ok((samples, field.name()))
+        })?;
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
         Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None, blocks })

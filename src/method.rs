@@ -2,11 +2,11 @@
 //! method does not use cannot be given to it.
 //!
 //! They stand on three seams. A *kernel* is evaluated in the cells of the
-//! complex by a backend ([`MeanValue`]); a *solver* fills the leaves of a grid
+//! complex by a backend ([`MeanValue`], [`Hermite`]); a *solver* fills the leaves of a grid
 //! ([`Variational`], [`ShapeBased`]); and a *surface* is made directly ([`Skeleton`]). The first two
 //! make samples, which a mesher turns into a surface.
 
-use crate::field::Device;
+use crate::field::{Device, hermite};
 use crate::label::Label;
 use crate::mesh::delaunay;
 use crate::skeleton;
@@ -19,6 +19,8 @@ pub enum Method {
     Variational(Variational),
     /// By the mean-value indicator (Bermano et al. 2011).
     MeanValue(MeanValue),
+    /// By signed distances and their gradients (Sharma and Agarwal 2016).
+    Hermite(Hermite),
     /// By the nearest section, exactly (Barequet and Vaxman 2009).
     Skeleton(Skeleton),
     /// Parallel sections by interpolating distances (Marker et al. 2006).
@@ -58,6 +60,21 @@ pub struct MeanValue {
     /// of an edge in world units, a 16th of the box's longest side when none
     /// is given.
     pub spacing: Option<f64>,
+    /// How the surface is made from the samples.
+    pub mesher: Mesher,
+}
+
+/// Signed distances on the sections and their gradients, interpolated in the cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hermite {
+    /// How facets are triangulated, and what is interpolated.
+    pub interpolation: hermite::Options,
+    /// As in [`Variational`].
+    pub border: Label,
+    /// As in [`Variational`].
+    pub caps: Caps,
+    /// Where the field is evaluated.
+    pub device: Device,
     /// How the surface is made from the samples.
     pub mesher: Mesher,
 }
@@ -139,12 +156,21 @@ impl Default for MeanValue {
     }
 }
 
+impl Default for Hermite {
+    fn default() -> Self {
+        let (border, caps, device) = (Label::OUTSIDE, Caps::Rounded, Device::Auto);
+        let interpolation = hermite::Options::default();
+        Self { interpolation, border, caps, device, mesher: Mesher::Dual }
+    }
+}
+
 impl Method {
     /// What is on the box's faces.
     pub fn border(&self) -> Label {
         match self {
             Self::Variational(own) => own.border,
             Self::MeanValue(own) => own.border,
+            Self::Hermite(own) => own.border,
             Self::Skeleton(_) | Self::Stack(_) => Label::OUTSIDE,
         }
     }
@@ -154,6 +180,7 @@ impl Method {
         match self {
             Self::Variational(own) => own.caps,
             Self::MeanValue(own) => own.caps,
+            Self::Hermite(own) => own.caps,
             Self::Skeleton(_) => Caps::Flat,
             Self::Stack(own) => own.caps,
         }
@@ -164,6 +191,7 @@ impl Method {
         match self {
             Self::Variational(own) => Some(own.mesher),
             Self::MeanValue(own) => Some(own.mesher),
+            Self::Hermite(own) => Some(own.mesher),
             Self::Skeleton(_) => None,
             Self::Stack(own) => Some(own.mesher),
         }

@@ -8,8 +8,8 @@ const FEW: usize = 4;
 /// A tree of boxes over segments; a segment may be a point.
 #[derive(Debug, Clone, Default)]
 pub struct SegmentTree {
-    /// So that every box has consecutive ones.
-    segments: Vec<[DVec3; 2]>,
+    /// So that every box has consecutive ones; each with its number among those given.
+    segments: Vec<([DVec3; 2], u32)>,
     /// The first holds everything; none without segments.
     boxes: Vec<Node>,
 }
@@ -32,8 +32,9 @@ pub struct Hint(u32);
 
 impl SegmentTree {
     /// Of some segments.
-    pub fn new(mut segments: Vec<[DVec3; 2]>) -> Self {
+    pub fn new(segments: Vec<[DVec3; 2]>) -> Self {
         let mut boxes = Vec::new();
+        let mut segments: Vec<_> = segments.into_iter().zip(0..).collect();
         if !segments.is_empty() {
             divide(&mut segments, 0, &mut boxes);
         }
@@ -42,10 +43,16 @@ impl SegmentTree {
 
     /// The distance from a point to the nearest segment; infinite without any.
     pub fn distance(&self, point: DVec3, hint: &mut Hint) -> f64 {
-        let Some(&guess) = self.segments.get(hint.0 as usize) else { return f64::INFINITY };
+        self.nearest(point, hint).map_or(f64::INFINITY, |(_, distance)| distance)
+    }
+
+    /// The number of the nearest segment among those given, and how far it is from a point;
+    /// `None` without any.
+    pub fn nearest(&self, point: DVec3, hint: &mut Hint) -> Option<(u32, f64)> {
+        let &(guess, _) = self.segments.get(hint.0 as usize)?;
         let mut square = squared_distance(guess, point);
         self.search(point, &mut square, &mut hint.0);
-        square.sqrt()
+        Some((self.segments[hint.0 as usize].1, square.sqrt()))
     }
 
     /// The distance from a point to the nearest segment, where it is below a
@@ -76,7 +83,7 @@ impl SegmentTree {
             let node = &self.boxes[number as usize];
             if node.second == 0 {
                 for at in node.first..node.first + node.count {
-                    let own = squared_distance(self.segments[at as usize], point);
+                    let own = squared_distance(self.segments[at as usize].0, point);
                     if own < *square {
                         (*square, *nearest) = (own, at);
                     }
@@ -108,8 +115,8 @@ fn squared_distance([start, end]: [DVec3; 2], point: DVec3) -> f64 {
 
 /// Makes the box of some segments, the first of which is number `first`, and
 /// of their halves; says which it is.
-fn divide(segments: &mut [[DVec3; 2]], first: u32, boxes: &mut Vec<Node>) -> u32 {
-    let ends = || segments.iter().flatten();
+fn divide(segments: &mut [([DVec3; 2], u32)], first: u32, boxes: &mut Vec<Node>) -> u32 {
+    let ends = || segments.iter().flat_map(|(ends, _)| ends);
     let min = ends().fold(DVec3::INFINITY, |min, &end| min.min(end));
     let max = ends().fold(DVec3::NEG_INFINITY, |max, &end| max.max(end));
     let number = boxes.len() as u32;
@@ -117,7 +124,7 @@ fn divide(segments: &mut [[DVec3; 2]], first: u32, boxes: &mut Vec<Node>) -> u32
     if segments.len() > FEW {
         let axis = (max - min).max_position();
         let half = segments.len() / 2;
-        let middle = |[start, end]: &[DVec3; 2]| start[axis] + end[axis];
+        let middle = |([start, end], _): &([DVec3; 2], u32)| start[axis] + end[axis];
         segments.select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
         let (one, other) = segments.split_at_mut(half);
         divide(one, first, boxes);
@@ -150,6 +157,8 @@ mod tests {
             let distances = segments.iter().map(|&one| squared_distance(one, point).sqrt());
             let expected = distances.fold(f64::INFINITY, f64::min);
             assert_eq!(tree.distance(point, &mut hint), expected);
+            let (nearest, _) = tree.nearest(point, &mut hint).unwrap();
+            assert_eq!(squared_distance(segments[nearest as usize], point).sqrt(), expected);
             let below = tree.distance_below(0.05, point);
             assert_eq!(below, Some(expected).filter(|&distance| distance < 0.05));
         }

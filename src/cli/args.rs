@@ -11,6 +11,7 @@ use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::field::Device;
+use crate::field::hermite::Gradients;
 use crate::grid::lattice::Resolution;
 use crate::io::read_all;
 use crate::label::Label;
@@ -85,7 +86,7 @@ pub struct ReconstructArguments {
 #[derive(Debug, Clone, Args, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MethodArguments {
-    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, skeleton the nearest section, exactly, stack interpolates distances between parallel sections
+    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, hermite interpolates distances with their gradients, skeleton the nearest section, exactly, stack interpolates distances between parallel sections
     #[arg(long, value_enum, default_value_t = MethodName::Variational)]
     pub method: MethodName,
     #[command(flatten)]
@@ -94,9 +95,15 @@ pub struct MethodArguments {
     /// With --method mvc: how much ripples between sections are smoothed away, contours fixed: up to this many typical distances between sections; 0 keeps them [default: 1]
     #[arg(long, value_name = "STRENGTH", value_parser = strength)]
     pub smooth: Option<f64>,
-    /// With --method mvc: how finely unknown regions are completed: the length of a triangle's side, in world units [default: 1/16 of the box]
+    /// With --method mvc: how finely unknown regions are completed, with hermite how finely all of the sections is triangulated: the length of a triangle's side, in world units [default: 1/16 of the box; with hermite 1/32]
     #[arg(long, value_name = "H", value_parser = positive)]
     pub spacing: Option<f64>,
+    /// With --method hermite: the gradients of distances away from contours: none, those of the distance itself, or the normal at the nearest contour [default: normals]
+    #[arg(long, value_enum)]
+    pub gradients: Option<GradientsName>,
+    /// With --method hermite: whether finely cut regions count as much as others of their size (even), or less, as in the paper (uneven) [default: uneven]
+    #[arg(long, value_enum)]
+    pub density: Option<DensityName>,
     #[command(flatten)]
     #[serde(flatten)]
     pub meshing: MeshingArguments,
@@ -368,6 +375,7 @@ pub struct CrosscheckArguments {
 pub enum MethodName {
     Variational,
     Mvc,
+    Hermite,
     Skeleton,
     Stack,
 }
@@ -378,9 +386,41 @@ impl MethodName {
         match self {
             Self::Variational => "variational",
             Self::Mvc => "mvc",
+            Self::Hermite => "hermite",
             Self::Skeleton => "skeleton",
             Self::Stack => "stack",
         }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GradientsName {
+    None,
+    Distance,
+    Normals,
+}
+
+impl From<GradientsName> for Gradients {
+    fn from(name: GradientsName) -> Self {
+        match name {
+            GradientsName::None => Self::None,
+            GradientsName::Distance => Self::Distance,
+            GradientsName::Normals => Self::Normals,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DensityName {
+    Even,
+    Uneven,
+}
+
+impl From<DensityName> for bool {
+    fn from(name: DensityName) -> Self {
+        name == DensityName::Even
     }
 }
 

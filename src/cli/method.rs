@@ -4,7 +4,8 @@
 use super::args::{BorderName, CapsName, DeviceName, MesherName, MethodArguments, MethodName};
 use crate::error::{Error, Result};
 use crate::label::Label;
-use crate::method::{Caps, Fairing, MeanValue, Method, ShapeBased, Skeleton, Variational};
+use crate::field::hermite;
+use crate::method::{Caps, Fairing, Hermite, MeanValue, Method, ShapeBased, Skeleton, Variational};
 use crate::skeleton;
 
 /// The method that arguments ask for, with exact coordinates or without.
@@ -24,6 +25,17 @@ pub fn method(arguments: &MethodArguments, exact: bool) -> Result<Method> {
             caps: caps(arguments)?,
             device: device(arguments),
             spacing: arguments.spacing,
+            mesher: arguments.meshing.mesher()?,
+        }),
+        MethodName::Hermite => Method::Hermite(Hermite {
+            interpolation: hermite::Options {
+                spacing: arguments.spacing,
+                gradients: arguments.gradients.map_or_else(Default::default, Into::into),
+                density: arguments.density.map_or(hermite::Options::default().density, Into::into),
+            },
+            border: border(arguments),
+            caps: caps(arguments)?,
+            device: device(arguments),
             mesher: arguments.meshing.mesher()?,
         }),
         MethodName::Stack => Method::Stack(ShapeBased {
@@ -66,14 +78,16 @@ fn device(arguments: &MethodArguments) -> crate::field::Device {
 /// Which options there are for some methods alone, whether they are given, and the
 /// methods they are for.
 fn refuse_unused(arguments: &MethodArguments, exact: bool) -> Result<()> {
-    use MethodName::{Mvc, Skeleton, Stack, Variational};
-    let of_field: &[MethodName] = &[Variational, Mvc];
-    let of_grid: &[MethodName] = &[Variational, Mvc, Stack];
+    use MethodName::{Hermite, Mvc, Skeleton, Stack, Variational};
+    let of_field: &[MethodName] = &[Variational, Mvc, Hermite];
+    let of_grid: &[MethodName] = &[Variational, Mvc, Hermite, Stack];
     let has_caps = |caps: CapsName| arguments.caps == Some(caps);
     let mesher = arguments.meshing.mesher != MesherName::Dual;
     let options = [
         ("--smooth", arguments.smooth.is_some(), &[Mvc][..]),
-        ("--spacing", arguments.spacing.is_some(), &[Mvc]),
+        ("--spacing", arguments.spacing.is_some(), &[Mvc, Hermite]),
+        ("--gradients", arguments.gradients.is_some(), &[Hermite]),
+        ("--density", arguments.density.is_some(), &[Hermite]),
         ("--fair", arguments.fair.is_some(), &[Skeleton]),
         ("--exact", exact, &[Skeleton]),
         ("--device", arguments.device.is_some(), of_field),

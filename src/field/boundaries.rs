@@ -99,6 +99,25 @@ impl<'a> Boundaries<'a> {
         self.clearance
     }
 
+    /// What they are boundaries in.
+    pub fn complex(&self) -> &'a Complex {
+        self.complex
+    }
+
+    /// The known labels of a cell, sorted.
+    pub fn labels(&self, cell: u32) -> &[Label] {
+        &self.labels[cell as usize]
+    }
+
+    /// The materials that occur, sorted.
+    pub fn materials(&self) -> Vec<Label> {
+        let mut labels: Vec<Label> = self.labels.iter().flatten().copied().collect();
+        labels.retain(|label| label.is_material());
+        labels.sort_unstable();
+        labels.dedup();
+        labels
+    }
+
     /// One more than the largest number of a cell.
     pub fn count(&self) -> usize {
         self.labels.len()

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::label::Label;
 
 /// Points in one unit of parallel work.
-const CHUNK: usize = 64;
+pub(super) const CHUNK: usize = 64;
 
 /// The f32 backend on the CPU. A point's values depend on nothing but the
 /// point: neither on its lane nor on its neighbours or the threads.

@@ -10,13 +10,13 @@ use super::lanes::Lanes;
 use super::packing::{BORDER, Chain, Frame, PackedCell, PackedEdge, PackedFace, Part, split};
 
 /// A block's feet on a plane.
-struct Feet<const N: usize, const FMA: bool> {
+pub(super) struct Feet<const N: usize, const FMA: bool> {
     /// The parts on the grid.
     coarse: [Lanes<N, FMA>; 2],
     /// The remainders.
     rest: [Lanes<N, FMA>; 2],
     /// |γ|, clamped.
-    gamma: [f32; N],
+    pub gamma: [f32; N],
 }
 
 /// A vertex as seen from a block's feet.
@@ -128,7 +128,7 @@ impl<const N: usize, const FMA: bool> Feet<N, FMA> {
     /// In f64: a cell can be thin, and γ is a small difference of large
     /// numbers close to a plane.
     #[inline(always)]
-    fn new(frame: &Frame, [x, y, z]: &[[f64; N]; 3], clearance: f32) -> Self {
+    pub fn new(frame: &Frame, [x, y, z]: &[[f64; N]; 3], clearance: f32) -> Self {
         let along = |direction: DVec3, offset: f64, lane: usize| {
             direction.x * x[lane] + (direction.y * y[lane] + (direction.z * z[lane] + offset))
         };
@@ -150,7 +150,7 @@ impl<const N: usize, const FMA: bool> Feet<N, FMA> {
     }
 
     #[inline(always)]
-    fn corner(&self, at: [f32; 2], rest: [f32; 2], gamma_squared: Lanes<N, FMA>) -> Corner<N, FMA> {
+    pub fn corner(&self, at: [f32; 2], rest: [f32; 2], gamma_squared: Lanes<N, FMA>) -> Corner<N, FMA> {
         let p = [self.offset(0, at, rest), self.offset(1, at, rest)];
         let r_squared = p[0].mul_add(p[0], p[1].mul_add(p[1], gamma_squared));
         Corner { p, r_squared, r: r_squared.sqrt() }
@@ -182,11 +182,11 @@ impl<const N: usize, const FMA: bool> Feet<N, FMA> {
 }
 
 /// What an edge is to a block's points.
-struct Angle<const N: usize, const FMA: bool> {
+pub(super) struct Angle<const N: usize, const FMA: bool> {
     /// θ / c.
-    ratio: Lanes<N, FMA>,
+    pub ratio: Lanes<N, FMA>,
     /// cross(p, q).
-    cross: Lanes<N, FMA>,
+    pub cross: Lanes<N, FMA>,
     c_squared: Lanes<N, FMA>,
 }
 
@@ -198,7 +198,7 @@ struct Angle<const N: usize, const FMA: bool> {
 /// g = 2 (atan t / t) / (r_p r_q + |D|), or π/c − g where D < 0. Only there,
 /// where the edge is seen under more than a right angle, c itself is needed.
 #[inline(always)]
-fn angle<const N: usize, const FMA: bool>(
+pub(super) fn angle<const N: usize, const FMA: bool>(
     start: &Corner<N, FMA>,
     end: &Corner<N, FMA>,
     span: [f32; 2],

@@ -30,15 +30,18 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use crate::grid::samples::Values;
 use crate::label::Label;
 
 mod boundaries;
 mod completion;
 mod cpu;
 mod gpu;
+pub mod hermite;
 mod kernel;
 mod lanes;
 mod packing;
+mod places;
 mod ramps;
 mod reference;
 
@@ -79,14 +82,25 @@ pub trait Field: Send + Sync {
     /// The labels that can occur in a cell, sorted.
     fn labels(&self, cell: u32) -> &[Label];
 
-    /// How many edges are evaluated for one point of a cell; none in a cell
-    /// with a single label.
+    /// How many edges are evaluated for one point of a cell; none where nothing is to be
+    /// evaluated, in a cell with a single label whose indicator is one everywhere.
     fn edges(&self, cell: u32) -> u64;
 
     /// The backend and what it runs on, for people to read.
     fn name(&self) -> String;
 
-    /// For each run in turn, for each of its points, one value in [−1, 1] per
+    /// What the values are.
+    fn values(&self) -> Values {
+        Values::Indicators
+    }
+
+    /// Whether *outside* is what the only material is not, −f of it, and needs no values of its
+    /// own.
+    fn is_single(&self) -> bool {
+        true
+    }
+
+    /// For each run in turn, for each of its points, one value per
     /// label of its cell in the order of [`Field::labels`].
     ///
     /// # Errors
@@ -135,6 +149,21 @@ impl Evaluator {
             Err(Error::Device(_)) if device == Device::Auto => Ok(Box::new(Cpu::new(boundaries)?)),
             found => Ok(Box::new(found?)),
         }
+    }
+
+    /// The Hermite field with what is said at nodes, in units of `unit` world units.
+    ///
+    /// # Errors
+    /// As [`new`].
+    pub fn hermite(
+        &mut self,
+        boundaries: &Boundaries,
+        nodes: &hermite::Nodes,
+        options: &hermite::Options,
+        unit: f64,
+        _device: Device,
+    ) -> Result<Box<dyn Field>> {
+        Ok(Box::new(hermite::Cpu::on(boundaries, nodes, options, unit)))
     }
 
     fn on_gpu(&mut self, boundaries: &Boundaries, adapter: Adapter) -> Result<Gpu> {

@@ -298,13 +298,13 @@ impl PackedCell {
 
 impl Frame {
     /// A point in the cell's coordinates, in the face's frame.
-    fn flatten(&self, local: DVec3) -> DVec2 {
+    pub fn flatten(&self, local: DVec3) -> DVec2 {
         DVec2::new(self.tangents[0].dot(local), self.tangents[1].dot(local))
     }
 }
 
 impl PackedCorner {
-    fn new(point: DVec2) -> Self {
+    pub fn new(point: DVec2) -> Self {
         let (at, rest) = split_point(point);
         Self { at, rest }
     }
@@ -320,7 +320,7 @@ impl PackedRamp {
 
 /// The centre of some bounds and the power of two that shrinks them into a
 /// cube of side one.
-fn unit_cube(bounds: Bounds) -> (DVec3, f64) {
+pub(super) fn unit_cube(bounds: Bounds) -> (DVec3, f64) {
     let centre = bounds.middle();
     let side = bounds.size().max_element();
     let scale = if side > 0.0 { (-side.log2().ceil()).exp2() } else { 1.0 };

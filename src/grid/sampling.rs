@@ -16,7 +16,7 @@ use super::contour::{corners, pierced_voxels, segments};
 use super::invariant::{differs_near_face, faces, neighbor, node_offset};
 use super::leaf::{Leaf, LeafOf, LeafValues, NewLeaf};
 use super::locate::{Cells, NO_CELL, leaf_cells, node_cell, place};
-use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples, Values};
+use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples};
 
 mod batch;
 mod kept;
@@ -163,7 +163,7 @@ impl Sampler<'_> {
         let taken = vec![false; tiles.len()];
         starts.extend(self.coarse_changes(&tiles));
         let open = self.cells.is_open().then(|| self.cells.bounds());
-        let samples = Samples::new(self.lattice, tiles, open, Values::Indicators);
+        let samples = Samples::new(self.lattice, tiles, open, self.field.values());
         let mut state = State { samples, taken, cells: HashMap::new(), points };
         let mut wave = self.take(starts, &mut state.taken);
         while !wave.is_empty() {
@@ -296,15 +296,15 @@ impl Sampler<'_> {
 fn collect_leaf(batch: &Batch, index: usize, at: [i32; 3]) -> NewLeaf {
     let nodes = index * LEAF_NODES..(index + 1) * LEAF_NODES;
     let absent = |label| LeafValues { label, values: Box::new([-1.0; LEAF_NODES]) };
-    let mut materials: Vec<_> = batch.materials(nodes.clone()).into_iter().map(absent).collect();
+    let mut materials: Vec<_> = batch.labels(nodes.clone()).into_iter().map(absent).collect();
     for (node, id) in nodes.enumerate() {
-        for (label, value) in batch.node(id) {
-            if let Ok(own) = materials.binary_search_by_key(&label, |own| own.label) {
-                materials[own].values[node] = value;
-            }
+        for own in &mut materials {
+            own.values[node] = batch.value(id, own.label);
         }
     }
-    materials.retain(|own| own.values.iter().any(|&value| value > -1.0));
+    if batch.are_indicators() {
+        materials.retain(|own| own.values.iter().any(|&value| value > -1.0));
+    }
     LeafOf { at, materials }
 }
 

@@ -40,6 +40,7 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
+use super::places;
 use groups::{groups, has_unknown};
 use mixing::Mixing;
 use plane::UnknownPlane;
@@ -124,7 +125,7 @@ impl Completion {
             free.append(&mut completion.add(complex, &plane, &groups));
         }
         if let Some(before) = before {
-            completion.begin_at(before, &free, outline::step(complex.bounds()));
+            completion.begin_at(before, &free, places::step(complex.bounds()));
         }
         completion.settle(Sweeper::new(complex, clearance, &completion, &free)?, &free);
         let shares = completion.shares.chunks_exact(completion.labels.len());
@@ -172,7 +173,7 @@ impl Completion {
             return;
         }
         let count = self.labels.len();
-        let place = |point: &DVec3| outline::key(*point, step);
+        let place = |point: &DVec3| places::key(*point, step);
         let was: HashMap<[u64; 3], &[f32]> =
             before.points.iter().map(place).zip(before.shares.chunks_exact(count)).collect();
         for &Free { corner, .. } in free {

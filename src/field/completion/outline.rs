@@ -14,12 +14,8 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DVec3;
 
 use crate::complex::{Complex, FacetEdge};
+use crate::field::places::{key, pieces, step};
 use crate::label::Label;
-use crate::plane::Bounds;
-
-/// Binary digits of places on a plane, of the size of the box. Further ones depend on how a
-/// place was computed, and what is triangulated must not.
-const DIGITS: f64 = 40.0;
 
 /// How far simplified chains stray, as a part of the spacing: a voxel at 256
 /// voxels and the default spacing.
@@ -50,17 +46,6 @@ struct Rim {
     border: Vec<[DVec3; 2]>,
 }
 
-/// What places on planes in a box are multiples of, but for digits that say nothing.
-pub(super) fn step(bounds: Bounds) -> f64 {
-    (bounds.diagonal().log2().floor() - DIGITS).exp2().max(f64::MIN_POSITIVE)
-}
-
-/// The name of a point, which equal points of a plane have in common though their last
-/// digits may differ.
-pub(super) fn key(point: DVec3, step: f64) -> [u64; 3] {
-    ((point / step).round() + 0.0).to_array().map(f64::to_bits)
-}
-
 impl Outlines {
     /// Those of the unknown regions on some faces of a plane, in pieces of
     /// about `spacing` (world units) at most.
@@ -87,17 +72,8 @@ impl Outlines {
 
     /// Adds a segment in equal pieces, the same ones from either end.
     fn add(&mut self, face: u32, [start, end]: [DVec3; 2], label: Option<Label>, spacing: f64) {
-        let turned = key(start, self.step) > key(end, self.step);
-        let [low, high] = if turned { [end, start] } else { [start, end] };
-        // The spacing is positive and not absurdly small: see `pieces`.
-        let pieces = pieces(low.distance(high), spacing);
-        let at = |step: u32| match if turned { pieces - step } else { step } {
-            0 => low,
-            step if step == pieces => high,
-            step => low.lerp(high, f64::from(step) / f64::from(pieces)),
-        };
-        for step in 0..pieces {
-            let segment = [step, step + 1].map(|step| self.number(at(step)));
+        for ends in pieces([start, end], spacing, self.step).windows(2) {
+            let segment = [ends[0], ends[1]].map(|end| self.number(end));
             self.segments.push(segment);
             self.faces.push(face);
             if let Some(label) = label {
@@ -114,12 +90,6 @@ impl Outlines {
         }
         number
     }
-}
-
-/// How many pieces of about the spacing a length is cut into.
-fn pieces(length: f64, spacing: f64) -> u32 {
-    const MOST: f64 = 4096.0;
-    (length / spacing).ceil().clamp(1.0, MOST) as u32
 }
 
 impl Rim {

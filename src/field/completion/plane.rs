@@ -3,12 +3,12 @@
 
 use glam::{DVec2, DVec3};
 
-use super::outline::{Outlines, step};
+use super::outline::Outlines;
 use crate::complex::{Complex, FacetEdge};
 use crate::error::{Error, Result};
 use crate::ffi::triangulation::{self as ffi, Triangulation};
+use crate::field::places::PlaneFrame;
 use crate::label::Label;
-use crate::plane::{Bounds, Plane};
 use crate::sets::components;
 
 /// How far the middle of a piece may lie off the line that it is a piece of,
@@ -53,37 +53,6 @@ struct Known {
 /// Triangles, each with an edge that no other one has, on whose left it lies.
 type Rim = Vec<(usize, [u32; 2])>;
 
-/// A plane's frame, of which the triangulation depends: it follows from where
-/// the plane lies in the box, not from what was drawn first.
-struct Frame {
-    /// The foot of the box's middle, so that coordinates stay small.
-    origin: DVec3,
-    tangents: [DVec3; 2],
-    /// Coordinates are multiples of this.
-    step: f64,
-}
-
-impl Frame {
-    fn new(plane: Plane, bounds: Bounds) -> Self {
-        let (normal, middle) = (plane.unit_normal(), bounds.middle());
-        Self {
-            origin: middle - plane.distance(middle) * normal,
-            tangents: plane.tangents(),
-            step: step(bounds),
-        }
-    }
-
-    fn flatten(&self, point: DVec3) -> DVec2 {
-        let offset = point - self.origin;
-        let flat = DVec2::from_array(self.tangents.map(|tangent| tangent.dot(offset)));
-        (flat / self.step).round() * self.step
-    }
-
-    fn lift(&self, [u, v]: [f64; 2]) -> DVec3 {
-        self.origin + u * self.tangents[0] + v * self.tangents[1]
-    }
-}
-
 impl UnknownPlane {
     /// Triangulates the unknown regions on some faces of a plane, with edges
     /// of about `spacing` (world units).
@@ -93,7 +62,7 @@ impl UnknownPlane {
             return Ok(Self::default());
         }
         let plane = complex.planes()[complex.facets()[faces[0]].plane];
-        let frame = Frame::new(plane, complex.bounds());
+        let frame = PlaneFrame::new(plane, complex.bounds());
         let flat: Vec<f64> =
             outlines.points.iter().flat_map(|&point| frame.flatten(point).to_array()).collect();
         let segments = outlines.segments.as_flattened();
@@ -110,7 +79,7 @@ impl UnknownPlane {
 
     fn assemble(
         outlines: &Outlines,
-        frame: &Frame,
+        frame: &PlaneFrame,
         made: &Triangulation,
         known: &[Known],
         reach: f64,
@@ -118,7 +87,7 @@ impl UnknownPlane {
         let flat: Vec<DVec2> = made.points.chunks_exact(2).map(DVec2::from_slice).collect();
         let given = |(&input, flat): (&u32, &DVec2)| {
             let point = outlines.points.get(input as usize);
-            point.copied().unwrap_or_else(|| frame.lift(flat.to_array()))
+            point.copied().unwrap_or_else(|| frame.lift(*flat))
         };
         let points = made.inputs.iter().zip(&flat).map(given).collect();
         let corners = made.triangles.chunks_exact(3).map(|three| [three[0], three[1], three[2]]);
@@ -196,7 +165,7 @@ fn seen(p: DVec2, q: DVec2) -> f64 {
 
 impl Known {
     /// A known region's edge on its face's border, turned round.
-    fn beside(edge: &FacetEdge, frame: &Frame) -> Option<Self> {
+    fn beside(edge: &FacetEdge, frame: &PlaneFrame) -> Option<Self> {
         let border = edge.right.is_none() && edge.left != Label::UNKNOWN;
         let [start, end] = [edge.end, edge.start].map(|point| frame.flatten(point));
         border.then_some(Self { start, end, label: edge.left })

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::field::{Field, Queries, Run};
 use crate::grid::locate::NO_CELL;
+use crate::grid::samples::Values;
 use crate::label::Label;
 
 /// Nodes, the cells they lie in, and the field's values there.
@@ -21,7 +22,7 @@ pub(super) struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    /// Evaluates the field at the nodes that lie in cells of several labels.
+    /// Evaluates the field at the nodes that lie in cells where there is something to evaluate.
     pub(super) fn evaluate(
         field: &'a dyn Field,
         cells: Vec<u32>,
@@ -30,7 +31,7 @@ impl<'a> Batch<'a> {
         let mut order: Vec<(u32, u32)> = cells
             .par_iter()
             .enumerate()
-            .filter(|&(_, &cell)| cell != NO_CELL && field.labels(cell).len() > 1)
+            .filter(|&(_, &cell)| cell != NO_CELL && field.edges(cell) > 0)
             .map(|(node, &cell)| (cell, node as u32))
             .collect();
         order.par_sort_unstable();
@@ -50,40 +51,69 @@ impl<'a> Batch<'a> {
         Ok(Self { field, cells, offsets, values, points: order.len() as u64 })
     }
 
-    /// The materials that can occur in any of some nodes, sorted.
-    pub(super) fn materials(&self, nodes: std::ops::Range<usize>) -> Vec<Label> {
+    /// The labels that can occur in any of some nodes and have values of their own, sorted:
+    /// *outside* has where distances are those of several materials.
+    pub(super) fn labels(&self, nodes: std::ops::Range<usize>) -> Vec<Label> {
         let mut cells = self.cells[nodes].to_vec();
         cells.sort_unstable();
         cells.dedup();
         let labels = cells.into_iter().filter(|&cell| cell != NO_CELL);
         let mut labels: Vec<Label> =
             labels.flat_map(|cell| self.field.labels(cell)).copied().collect();
-        labels.retain(|label| label.is_material());
+        if !self.field.is_single() {
+            labels.push(Label::OUTSIDE);
+        }
+        labels.retain(|label| label.is_material() || !self.field.is_single());
         labels.sort_unstable();
         labels.dedup();
         labels
     }
 
-    /// The materials at a node, each with its value.
-    pub(super) fn node(&self, node: usize) -> impl Iterator<Item = (Label, f32)> + '_ {
+    /// Whether values are indicators: a label that cannot occur has −1 then.
+    pub(super) fn are_indicators(&self) -> bool {
+        self.field.values() == Values::Indicators
+    }
+
+    /// All labels that can occur at a node, each with its value.
+    fn own(&self, node: usize) -> impl Iterator<Item = (Label, f32)> + '_ {
         let labels = match self.cells[node] {
             NO_CELL => &[],
             cell => self.field.labels(cell),
         };
-        let values = match labels {
-            [] | [_] => &[1.0], // nothing else is near
+        let values = match self.cells[node] {
+            NO_CELL => &[],
+            cell if self.field.edges(cell) == 0 => &[1.0][..], // nothing else is near
             _ => &self.values[self.offsets[node] as usize..][..labels.len()],
         };
         // Rounding may lead a little out of the range.
-        let clamped = values.iter().map(|value| value.clamp(-1.0, 1.0));
-        labels.iter().copied().zip(clamped).filter(|(label, _)| label.is_material())
+        let most = if self.are_indicators() { 1.0 } else { f32::INFINITY };
+        labels.iter().copied().zip(values.iter().map(move |value| value.clamp(-most, most)))
     }
 
-    /// The label with the largest share of a node, of equals the smallest:
-    /// [`LeafOf::labels`](crate::grid::leaf::LeafOf::labels) for one node.
+    /// A label's value at a node. Beyond the box it is outside; where a label cannot occur, its
+    /// distance is as large as that of the one that is there.
+    pub(super) fn value(&self, node: usize, label: Label) -> f32 {
+        if let Some((_, value)) = self.own(node).find(|(own, _)| *own == label) {
+            return value;
+        }
+        let best = self.own(node).map(|(_, value)| value).reduce(f32::max);
+        match best {
+            None if label == Label::OUTSIDE => 1.0,
+            Some(best) if !self.are_indicators() => -best.abs(),
+            _ => -1.0,
+        }
+    }
+
+    /// The label of a node: [`LeafOf::labels`](crate::grid::leaf::LeafOf::labels) for one.
     pub(super) fn label(&self, node: usize) -> Label {
-        let shares = || self.node(node).map(|(label, f)| (label, (f64::from(f) + 1.0) / 2.0));
-        let outside = (Label::OUTSIDE, 1.0 - shares().map(|(_, share)| share).sum::<f64>());
+        let is_single = self.field.is_single();
+        let own = || self.own(node).filter(|(label, _)| label.is_material() || !is_single);
+        let shares = || own().map(|(label, f)| (label, (f64::from(f) + 1.0) / 2.0));
+        let outside = match (is_single, self.cells[node]) {
+            (false, cell) if cell != NO_CELL => f64::NEG_INFINITY,
+            _ => 1.0 - shares().map(|(_, share)| share).sum::<f64>(),
+        };
+        let outside = (Label::OUTSIDE, outside);
         shares().fold(outside, |best, next| if next.1 > best.1 { next } else { best }).0
     }
 }
