@@ -1,11 +1,6 @@
 // What the mean-value indicator reads and writes. The host lays these out in
 // the same order; every coordinate is in its cell's own units.
 
-/// Invocations of a workgroup.
-const GROUP: u32 = 64u;
-/// Points of an invocation, one in each component of a vector: the edges are
-/// read once for all of them.
-const POINTS: u32 = 4u;
 /// Labels that one pass over a cell adds up.
 const WINDOW: u32 = 16u;
 /// The right side of a chain on its face's border.
@@ -17,21 +12,6 @@ struct Cell {
     labels: u32,
     /// The smallest distance to a plane.
     clearance: f32,
-}
-
-/// A plane's frame. Every row is split into a part on a grid of 2^-12 and the
-/// remainder; `normal.w` is the plane's offset.
-struct Face {
-    first_tangent: vec4<f32>,
-    first_tangent_rest: vec4<f32>,
-    second_tangent: vec4<f32>,
-    second_tangent_rest: vec4<f32>,
-    normal: vec4<f32>,
-    normal_rest: vec4<f32>,
-    first_chain: u32,
-    end_chain: u32,
-    first_ramp: u32,
-    end_ramp: u32,
 }
 
 /// Consecutive edges with the same labels left and right.
@@ -50,12 +30,6 @@ struct Edge {
     end: vec4<f32>,
     /// d = q - p, and its squared length.
     span: vec4<f32>,
-}
-
-/// A point, split like a frame's rows.
-struct Point {
-    at: vec4<f32>,
-    rest: vec4<f32>,
 }
 
 /// The points of one workgroup, all in one cell.

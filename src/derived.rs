@@ -31,8 +31,8 @@ use crate::section::{Section, Sections};
 use crate::skeleton::{Details, Kept as KeptSurfaces};
 use crate::stack::stacked;
 use crate::stage::Stages;
-use crate::variational::specks::remove_specks;
 use crate::variational::smoothing::{KeptSmoothing, smoothed};
+use crate::variational::specks::remove_specks;
 use crate::variational::{Kept, KeptBackend, variational};
 
 /// How near to a plane the field is told from its limit, in voxels: nearer
@@ -330,10 +330,10 @@ impl Ground<'_> {
         })?;
         let (mut samples, device) = stages.run("field", |counts| {
             let (device, voxel) = (method.device, lattice.voxel);
-            let field = evaluator.hermite(&boundaries, &nodes, &method.interpolation, voxel, device)?;
+            let field =
+                evaluator.hermite(&boundaries, &nodes, &method.interpolation, voxel, device)?;
             let starts = Starts::new(sections, boundaries.completion(), lattice);
-            let sampling =
-                sample(&complex, field.as_ref(), &starts, lattice, Margin(1), progress)?;
+            let sampling = sample(&complex, field.as_ref(), &starts, lattice, Margin(1), progress)?;
             let mut samples = sampling.kept.samples;
             let specks = remove_specks(&mut samples, sections, *bounds);
             counts.insert("leaves".into(), samples.valued.len() as u64);

@@ -3,8 +3,8 @@
 
 use super::args::{BorderName, CapsName, DeviceName, MesherName, MethodArguments, MethodName};
 use crate::error::{Error, Result};
-use crate::label::Label;
 use crate::field::hermite;
+use crate::label::Label;
 use crate::method::{Caps, Fairing, Hermite, MeanValue, Method, ShapeBased, Skeleton, Variational};
 use crate::skeleton;
 

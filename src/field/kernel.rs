@@ -150,7 +150,12 @@ impl<const N: usize, const FMA: bool> Feet<N, FMA> {
     }
 
     #[inline(always)]
-    pub fn corner(&self, at: [f32; 2], rest: [f32; 2], gamma_squared: Lanes<N, FMA>) -> Corner<N, FMA> {
+    pub fn corner(
+        &self,
+        at: [f32; 2],
+        rest: [f32; 2],
+        gamma_squared: Lanes<N, FMA>,
+    ) -> Corner<N, FMA> {
         let p = [self.offset(0, at, rest), self.offset(1, at, rest)];
         let r_squared = p[0].mul_add(p[0], p[1].mul_add(p[1], gamma_squared));
         Corner { p, r_squared, r: r_squared.sqrt() }

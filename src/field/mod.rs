@@ -128,7 +128,8 @@ pub fn new(boundaries: &Boundaries, device: Device) -> Result<Box<dyn Field>> {
     Evaluator::default().field(boundaries, device)
 }
 
-/// What evaluates one field after another: a GPU is opened for the first, and stays open.
+/// What evaluates one field after another, all of one method: a GPU is opened for the first, and
+/// stays open.
 #[derive(Default)]
 pub struct Evaluator {
     gpu: Option<Arc<Opened>>,
@@ -161,16 +162,30 @@ impl Evaluator {
         nodes: &hermite::Nodes,
         options: &hermite::Options,
         unit: f64,
-        _device: Device,
+        device: Device,
     ) -> Result<Box<dyn Field>> {
-        Ok(Box::new(hermite::Cpu::on(boundaries, nodes, options, unit)))
+        let cpu = hermite::Cpu::on(boundaries, nodes, options, unit);
+        let adapter = match device {
+            Device::Cpu => return Ok(Box::new(cpu)),
+            Device::Gpu => Adapter::Any,
+            Device::Auto => Adapter::Hardware,
+        };
+        match self.opened(|| hermite::gpu::open(adapter)) {
+            Err(Error::Device(_)) if device == Device::Auto => Ok(Box::new(cpu)),
+            opened => Ok(Box::new(hermite::Gpu::on(opened?, cpu))),
+        }
+    }
+
+    /// The GPU, opened if it is not yet.
+    fn opened(&mut self, open: impl FnOnce() -> Result<Opened>) -> Result<Arc<Opened>> {
+        Ok(match &self.gpu {
+            Some(opened) => Arc::clone(opened),
+            None => Arc::clone(self.gpu.insert(Arc::new(open()?))),
+        })
     }
 
     fn on_gpu(&mut self, boundaries: &Boundaries, adapter: Adapter) -> Result<Gpu> {
-        let opened = match &self.gpu {
-            Some(opened) => Arc::clone(opened),
-            None => Arc::clone(self.gpu.insert(Arc::new(Opened::new(adapter)?))),
-        };
+        let opened = self.opened(|| Opened::new(adapter))?;
         Gpu::on(opened, boundaries)
     }
 }

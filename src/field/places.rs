@@ -65,4 +65,3 @@ impl PlaneFrame {
         self.origin + flat.x * self.tangents[0] + flat.y * self.tangents[1]
     }
 }
-

@@ -4,15 +4,54 @@ use super::layout::{DeviceJob, DevicePoint};
 use crate::field::Queries;
 use crate::field::packing::PackedCell;
 use crate::gpu::Connection;
+use glam::DVec3;
 
-/// Points of one workgroup: GROUP · POINTS of `shaders/field_types.wgsl`.
-const GROUP: usize = 256;
+/// Points of one workgroup: GROUP · POINTS of `shaders/field_frame.wgsl`.
+pub const GROUP: usize = 256;
 
 /// WINDOW of `shaders/field_types.wgsl`.
 const WINDOW: usize = 16;
 
 /// Points of 32 invocations.
 const WAVE: usize = 128;
+
+/// A cell as batches see it.
+pub trait LaidOut: Sync {
+    /// How many labels it has.
+    fn label_count(&self) -> usize;
+    /// How many edges are evaluated for a point; nothing is without.
+    fn edge_count(&self) -> u64;
+    /// Turns of all loops of one invocation together.
+    fn turns(&self) -> u64;
+    /// Bytes that a workgroup needs on the way.
+    fn scratch(&self) -> u64;
+    /// A point in the cell's coordinates.
+    fn localize(&self, point: DVec3) -> DVec3;
+}
+
+impl LaidOut for PackedCell {
+    fn label_count(&self) -> usize {
+        self.labels.len()
+    }
+
+    fn edge_count(&self) -> u64 {
+        self.edge_count()
+    }
+
+    fn turns(&self) -> u64 {
+        let passes = self.labels.len().div_ceil(WINDOW);
+        let turns = self.chains.len() + self.edges.len() + self.ramps.len() + self.slopes.len();
+        (passes * turns) as u64
+    }
+
+    fn scratch(&self) -> u64 {
+        0
+    }
+
+    fn localize(&self, point: DVec3) -> DVec3 {
+        self.localize(point)
+    }
+}
 
 /// What one dispatch may take.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +76,8 @@ pub struct Batch {
     pub targets: Vec<Target>,
     pub value_count: usize,
     work: u64,
+    /// Bytes that its jobs need on the way.
+    scratch: u64,
 }
 
 /// A job's place in the query.
@@ -64,17 +105,15 @@ impl Limits {
     }
 
     /// Whether the device can evaluate a cell, and there is something to.
-    pub fn allow(&self, cell: &PackedCell) -> bool {
-        let passes = cell.labels.len().div_ceil(WINDOW);
-        let turns = cell.chains.len() + cell.edges.len() + cell.ramps.len() + cell.slopes.len();
-        cell.labels.len() > 1 && (passes * turns) as u64 <= self.turns
+    pub fn allow(&self, cell: &impl LaidOut) -> bool {
+        cell.edge_count() > 0 && cell.turns() <= self.turns && cell.scratch() <= self.bytes
     }
 }
 
 /// Cuts a query into batches; cells that the limits do not allow take part in
 /// none.
-pub fn batches(
-    cells: &[PackedCell],
+pub fn batches<C: LaidOut>(
+    cells: &[C],
     queries: &Queries,
     limits: Limits,
 ) -> impl Iterator<Item = Batch> {
@@ -83,7 +122,10 @@ pub fn batches(
     let mut targets = targets.filter(allowed).peekable();
     std::iter::from_fn(move || {
         let mut batch = Batch::default();
-        while let Some((target, end)) = targets.next_if(|_| batch.has_room(limits)) {
+        let has_room = |batch: &Batch, target: &Target| {
+            batch.has_room(limits, cells[target.cell as usize].scratch())
+        };
+        while let Some((target, end)) = targets.next_if(|next| has_room(&batch, &next.0)) {
             batch.push(&cells[target.cell as usize], target, &queries.points[target.point..end]);
         }
         (!batch.jobs.is_empty()).then_some(batch)
@@ -91,11 +133,11 @@ pub fn batches(
 }
 
 /// The points of every workgroup, in order, with the end of each.
-fn targets(cells: &[PackedCell], queries: &Queries) -> impl Iterator<Item = (Target, usize)> {
+fn targets<C: LaidOut>(cells: &[C], queries: &Queries) -> impl Iterator<Item = (Target, usize)> {
     let mut value = 0;
     let runs = queries.runs.iter().map(move |run| {
         let first_value = value;
-        let labels = cells[run.cell as usize].labels.len();
+        let labels = cells[run.cell as usize].label_count();
         value += run.points.len() * labels;
         (run, labels, first_value)
     });
@@ -109,13 +151,20 @@ fn targets(cells: &[PackedCell], queries: &Queries) -> impl Iterator<Item = (Tar
 }
 
 impl Batch {
-    fn has_room(&self, limits: Limits) -> bool {
+    /// Whether a job may be added that needs some bytes on the way.
+    fn has_room(&self, limits: Limits, scratch: u64) -> bool {
+        if self.jobs.is_empty() {
+            return true;
+        }
         let largest = self.value_count * size_of::<f32>();
         let largest = largest.max(self.points.len() * size_of::<DevicePoint>()) as u64;
-        self.work < limits.work && self.jobs.len() < limits.groups && largest < limits.bytes / 2
+        self.work < limits.work
+            && self.jobs.len() < limits.groups
+            && largest < limits.bytes / 2
+            && self.scratch + scratch <= limits.bytes
     }
 
-    fn push(&mut self, cell: &PackedCell, target: Target, points: &[glam::DVec3]) {
+    fn push(&mut self, cell: &impl LaidOut, target: Target, points: &[DVec3]) {
         self.jobs.push(DeviceJob {
             cell: target.cell,
             first_point: self.points.len() as u32,
@@ -127,5 +176,6 @@ impl Batch {
         self.value_count += points.len() * target.labels;
         // Invocations work in waves: a few points cost as much as a wave does.
         self.work += points.len().next_multiple_of(WAVE) as u64 * cell.edge_count();
+        self.scratch += cell.scratch();
     }
 }

@@ -1,11 +1,11 @@
 //! Cells and points as the shader reads them; the structures are those of
-//! `shaders/field_types.wgsl`.
+//! `shaders/field_types.wgsl` and `shaders/field_frame.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 use crate::field::packing::{
-    Chain, PackedCell, PackedCorner, PackedEdge, PackedFace, PackedRamp, split,
+    Chain, Frame, PackedCell, PackedCorner, PackedEdge, PackedFace, PackedRamp, split,
 };
 
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -86,7 +86,7 @@ impl Tables {
                 self.add_ramp(cell, face, ramp);
             }
             let ramps = [first_ramp, self.ramps.len() as u32];
-            self.faces.push(DeviceFace::new(face, chains, ramps));
+            self.faces.push(DeviceFace::new(&face.frame, chains, ramps));
         }
         self.chains.extend(cell.chains.iter().map(|chain| Chain {
             first_edge: first_edge + chain.first_edge,
@@ -131,14 +131,15 @@ impl Tables {
 }
 
 impl DeviceFace {
-    fn new(
-        face: &PackedFace,
+    /// A face's plane, with its chains or corners, and its ramps or triangles.
+    pub fn new(
+        frame: &Frame,
         [first_chain, end_chain]: [u32; 2],
         [first_ramp, end_ramp]: [u32; 2],
     ) -> Self {
-        let [first, second] = face.frame.tangents;
-        let [mut normal, mut normal_rest] = split_row(face.frame.normal);
-        (normal[3], normal_rest[3]) = split(face.frame.offset);
+        let [first, second] = frame.tangents;
+        let [mut normal, mut normal_rest] = split_row(frame.normal);
+        (normal[3], normal_rest[3]) = split(frame.offset);
         Self {
             first_tangent: split_row(first),
             second_tangent: split_row(second),

@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use self::batch::{Batch, Limits, batches};
+use self::batch::{Batch, Limits, Target, batches};
 use self::layout::{DeviceJob, Tables};
 use super::cpu::{Cpu, indicator, value_count};
 use super::{Boundaries, Field, Queries};
@@ -16,11 +16,12 @@ use crate::error::Result;
 use crate::gpu::{Adapter, Connection};
 use crate::label::Label;
 
-mod batch;
-mod layout;
+pub(super) mod batch;
+pub(super) mod layout;
 
 /// The shader's parts in one module.
 const SHADER: &str = concat!(
+    include_str!("../../../shaders/field_frame.wgsl"),
     include_str!("../../../shaders/field_types.wgsl"),
     include_str!("../../../shaders/field_edge.wgsl"),
     include_str!("../../../shaders/field.wgsl"),
@@ -28,9 +29,9 @@ const SHADER: &str = concat!(
 
 /// A GPU with what it runs, for one field after another.
 pub struct Opened {
-    connection: Connection,
-    pipeline: wgpu::ComputePipeline,
-    limits: Limits,
+    pub(super) connection: Connection,
+    pub(super) pipeline: wgpu::ComputePipeline,
+    pub(super) limits: Limits,
 }
 
 impl Opened {
@@ -39,8 +40,13 @@ impl Opened {
     /// # Errors
     /// [`Error::Device`](crate::error::Error::Device) when there is no such adapter.
     pub fn new(adapter: Adapter) -> Result<Self> {
+        Self::with(adapter, SHADER)
+    }
+
+    /// The same for a shader of another field.
+    pub(super) fn with(adapter: Adapter, shader: &str) -> Result<Self> {
         let connection = Connection::open(adapter)?;
-        let pipeline = connection.pipeline("field", SHADER, "evaluate");
+        let pipeline = connection.pipeline("field", shader, "evaluate");
         connection.check()?;
         let limits = Limits::of(&connection);
         Ok(Self { connection, pipeline, limits })
@@ -136,24 +142,14 @@ impl Gpu {
     /// Compares a few points with the CPU. Right at a contour two correct
     /// results can differ, so it takes a majority to complain.
     fn spot_check(&self, queries: &Queries, batch: &Batch, values: &[f32]) -> Result<()> {
-        const PROBES: usize = 8;
         const TOLERANCE: f32 = 0.01;
-        let step = batch.targets.len().div_ceil(PROBES);
-        let mut probes = 0;
-        let mut wrong = 0;
-        for target in batch.targets.iter().step_by(step.max(1)) {
-            let found = &values[target.value..target.value + target.labels];
-            let mut expected = vec![0.0; target.labels];
+        let expected = |target: &Target, expected: &mut [f32]| {
             let point = target.point..target.point + 1;
-            self.cpu.evaluate_in(target.cell, &queries.points[point], &mut expected);
-            probes += 1;
-            wrong +=
-                usize::from(found.iter().zip(&expected).any(|(f, e)| (f - e).abs() > TOLERANCE));
-        }
-        if 2 * wrong > probes {
-            Err(self.opened.connection.garbage("values unlike the CPU's"))
-        } else {
-            Ok(())
+            self.cpu.evaluate_in(target.cell, &queries.points[point], expected);
+        };
+        match are_alike(batch, values, TOLERANCE, expected) {
+            true => Ok(()),
+            false => Err(self.opened.connection.garbage("values unlike the CPU's")),
         }
     }
 }
@@ -182,6 +178,26 @@ impl Field for Gpu {
         self.cpu.evaluate_where(queries, &mut values, |cell| !self.opened.limits.allow(cell));
         Ok(values)
     }
+}
+
+/// Whether most of a few points of a batch have the values that are expected, but for a
+/// tolerance.
+pub(super) fn are_alike(
+    batch: &Batch,
+    values: &[f32],
+    tolerance: f32,
+    expect: impl Fn(&Target, &mut [f32]),
+) -> bool {
+    const PROBES: usize = 8;
+    let step = batch.targets.len().div_ceil(PROBES).max(1);
+    let is_alike = |target: &Target| {
+        let found = &values[target.value..target.value + target.labels];
+        let mut expected = vec![0.0; target.labels];
+        expect(target, &mut expected);
+        found.iter().zip(&expected).all(|(f, e)| (f - e).abs() <= tolerance)
+    };
+    let probes: Vec<bool> = batch.targets.iter().step_by(step).map(is_alike).collect();
+    2 * probes.iter().filter(|is_alike| !**is_alike).count() <= probes.len()
 }
 
 /// f from W for all points of a batch; fails with a sum W that cannot be one.

@@ -16,6 +16,7 @@ use crate::label::Label;
 pub struct Cpu {
     cells: Vec<HermiteCell>,
     is_single: bool,
+    unit: f64,
     instructions: Instructions,
 }
 
@@ -33,7 +34,51 @@ impl Cpu {
         let cell = |cell| HermiteCell::new(boundaries, nodes, cell, unit, options.density);
         let cells = (0..boundaries.count() as u32).into_par_iter().map(cell).collect();
         let is_single = boundaries.materials().len() == 1;
-        Self { cells, is_single, instructions: Instructions::detect() }
+        Self { cells, is_single, unit, instructions: Instructions::detect() }
+    }
+
+    pub(super) fn cells(&self) -> &[HermiteCell] {
+        &self.cells
+    }
+
+    /// World units per unit of values.
+    pub(super) fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// As many values as queries ask for, all 0.
+    ///
+    /// # Errors
+    /// When the queries' runs do not cover their points, or name no cell.
+    pub(super) fn room_for(&self, queries: &Queries) -> Result<Vec<f32>> {
+        queries.check(self.cells.len())?;
+        let labels = |cell: u32| self.cells[cell as usize].labels.len();
+        let count = queries.runs.iter().map(|run| run.points.len() * labels(run.cell)).sum();
+        Ok(vec![0.0; count])
+    }
+
+    /// The values in those cells that are wanted.
+    pub(super) fn evaluate_where(
+        &self,
+        queries: &Queries,
+        mut values: &mut [f32],
+        wanted: impl Fn(&HermiteCell) -> bool,
+    ) {
+        let mut jobs = Vec::new();
+        for run in &queries.runs {
+            let cell = &self.cells[run.cell as usize];
+            let own = values.split_off_mut(..run.points.len() * cell.labels.len());
+            let Some(own) = own.filter(|own| !own.is_empty() && wanted(cell)) else { continue };
+            let points = queries.points[run.points.clone()].chunks(CHUNK);
+            let parts = own.chunks_mut(CHUNK * cell.labels.len());
+            jobs.extend(points.zip(parts).map(|(points, values)| Job { cell, points, values }));
+        }
+        jobs.into_par_iter().for_each(|job| job.run(self.instructions));
+    }
+
+    /// The values of a few points of one cell.
+    pub(super) fn evaluate_in(&self, cell: u32, points: &[DVec3], values: &mut [f32]) {
+        Job { cell: &self.cells[cell as usize], points, values }.run(self.instructions);
     }
 
     /// The same with a given instruction set, which the processor must have.
@@ -67,19 +112,8 @@ impl Field for Cpu {
     }
 
     fn evaluate(&self, queries: &Queries) -> Result<Vec<f32>> {
-        queries.check(self.cells.len())?;
-        let labels = |cell: u32| self.cells[cell as usize].labels.len();
-        let count = queries.runs.iter().map(|run| run.points.len() * labels(run.cell)).sum();
-        let mut values = vec![0.0; count];
-        let (mut rest, mut jobs) = (&mut values[..], Vec::new());
-        for run in &queries.runs {
-            let cell = &self.cells[run.cell as usize];
-            for points in queries.points[run.points.clone()].chunks(CHUNK) {
-                let own = rest.split_off_mut(..points.len() * cell.labels.len());
-                jobs.extend(own.map(|values| Job { cell, points, values }));
-            }
-        }
-        jobs.into_par_iter().for_each(|job| job.run(self.instructions));
+        let mut values = self.room_for(queries)?;
+        self.evaluate_where(queries, &mut values, |_| true);
         Ok(values)
     }
 }

@@ -32,6 +32,7 @@
 
 mod cpu;
 mod facet_mesh;
+pub(super) mod gpu;
 mod kernel;
 mod nodes;
 mod outline;
@@ -45,6 +46,7 @@ use crate::error::{Error, Remedy, Result};
 use crate::plane::Bounds;
 
 pub use cpu::Cpu;
+pub use gpu::Gpu;
 pub use nodes::Nodes;
 pub use reference::Reference;
 

@@ -66,7 +66,8 @@ impl Nodes {
         let complex = boundaries.complex();
         options.check(complex.bounds())?;
         let contours = Contours::new(sections);
-        let mut labels: Vec<Label> = complex.cells().values().flat_map(|c| &c.labels).copied().collect();
+        let mut labels: Vec<Label> =
+            complex.cells().values().flat_map(|c| &c.labels).copied().collect();
         labels.sort();
         labels.dedup();
         labels.retain(|&label| label != Label::UNKNOWN);
@@ -228,8 +229,8 @@ impl FacetNodes {
             for slot in 0..count {
                 let [fa, fb, fc] = corners.map(|corner| self.nodes[corner * count + slot].value);
                 // Twice the area times the gradient.
-                let slope = normal.cross(fa * (c - b) + fb * (a - c) + fc * (b - a))
-                    / normal.length();
+                let slope =
+                    normal.cross(fa * (c - b) + fb * (a - c) + fc * (b - a)) / normal.length();
                 for corner in corners {
                     let sum = &mut sums[corner * count + slot];
                     *sum = (sum.0 + slope, sum.1 + normal.length());

@@ -5,7 +5,9 @@
 //! leans out of the section's plane: so the normal is at a right angle to the contour
 //! everywhere, and on a sphere it is right everywhere. (The paper interpolates the normals
 //! themselves, which is off by 4° midway on a quarter of a great circle.) A contour without
-//! crossings has normals in its plane.
+//! crossings, for which the paper takes normals in its plane, leans as the nearest parallel
+//! sections say: as much as they show more or less of the label around the same place. Without
+//! parallel sections it does not lean.
 //!
 //! Tangents are means at vertices, linear along edges, and all the way normalised: those of
 //! edges alone are off by half a turn of the polygon.
@@ -20,6 +22,11 @@ use crate::segments::{Hint, SegmentTree};
 
 /// Contours that pass each other at less than this part of the diagonal of all of them cross.
 const NEAR: f64 = 5e-3;
+/// Normals of parallel sections enclose angles with a cosine of at least this.
+const SAME_NORMAL: f64 = 1.0 - 1e-9;
+/// By how much a surface moves between parallel sections at most, in distances between them: where
+/// a section shows nothing near that the next one shows, it is not known how far it moves.
+const MOST_LEAN: f64 = 1.0;
 /// Where tangents enclose an angle with a sine below this they say nothing of the normal.
 const PARALLEL: f64 = 0.1;
 
@@ -203,9 +210,8 @@ fn trails(edges: &[[u32; 2]]) -> Vec<(Vec<u32>, bool)> {
 impl Chain {
     fn new(section: usize, labels: [Label; 2], points: Vec<DVec3>, is_closed: bool) -> Self {
         let count = points.len();
-        let direction = |edge: usize| {
-            (points[(edge + 1) % count] - points[edge % count]).normalize_or_zero()
-        };
+        let direction =
+            |edge: usize| (points[(edge + 1) % count] - points[edge % count]).normalize_or_zero();
         let tangent = |point: usize| {
             let before = (is_closed || point > 0).then(|| direction(point + count - 1));
             let after = (is_closed || point + 1 < count).then(|| direction(point));
@@ -247,8 +253,16 @@ impl Chain {
         }
         let last = self.ends(self.edges() - 1)[1];
         places.push((length, self.points[last], self.tangents[last], None));
-        let known = places.iter().filter_map(|place| Some((place.0, place.3?)));
-        let tilts = Tilts { known: known.collect(), length, is_closed: self.is_closed };
+        let mut known: Vec<(f64, f64)> =
+            places.iter().filter_map(|place| Some((place.0, place.3?))).collect();
+        if known.is_empty() {
+            let around = crossing.parallel(self.section);
+            let lean = |place: &(f64, DVec3, DVec3, Option<f64>)| {
+                Some((place.0, crossing.lean(self.labels, place.1, &around)?))
+            };
+            known.extend(places.iter().filter_map(lean));
+        }
+        let tilts = Tilts { known, length, is_closed: self.is_closed };
         let pieces = places.windows(2).filter(|ends| ends[0].1 != ends[1].1);
         let piece = |ends: &[(f64, DVec3, DVec3, Option<f64>)]| Piece {
             ends: [ends[0].1, ends[1].1],
@@ -316,6 +330,53 @@ struct Crossing<'a> {
 }
 
 impl Crossing<'_> {
+    /// The nearest sections parallel to a section, before and behind it along its normal, and how
+    /// far they are.
+    fn parallel(&self, section: usize) -> [Option<(usize, f64)>; 2] {
+        let plane = self.sections[section].plane().unit();
+        let others = self.sections.iter().enumerate().filter_map(|(number, other)| {
+            let other = other.plane().unit();
+            let cosine = other.normal.dot(plane.normal);
+            let offset = if cosine < 0.0 { -other.offset } else { other.offset };
+            (cosine.abs() >= SAME_NORMAL).then_some((number, offset - plane.offset))
+        });
+        let nearest = |sign: f64| {
+            let own = others.clone().map(|(number, at)| (number, sign * at));
+            own.filter(|(_, at)| *at > 0.0).min_by(|one, other| one.1.total_cmp(&other.1))
+        };
+        [nearest(-1.0), nearest(1.0)]
+    }
+
+    /// The tilt at a place on a contour that parallel sections around it say.
+    fn lean(
+        &self,
+        labels: [Label; 2],
+        at: DVec3,
+        around: &[Option<(usize, f64)>; 2],
+    ) -> Option<f64> {
+        let normal = |section: usize| self.sections[section].plane().unit_normal();
+        // How much farther the left label reaches, per distance: negative where it reaches less.
+        let growth = |&(number, distance): &(usize, f64)| {
+            let section = &self.sections[number];
+            let foot = at - section.plane().distance(at) * normal(number);
+            let is_inside = section.label_at(section.plane().project(foot)) == labels[0];
+            let to_contour = match self.others.get(&(number, labels)) {
+                Some(others) => others.tree.distance(foot, &mut Hint::default()),
+                None => f64::INFINITY,
+            };
+            let limited = (to_contour / distance).min(MOST_LEAN);
+            if is_inside { limited } else { -limited }
+        };
+        let [before, behind] = around.each_ref().map(|around| around.as_ref().map(growth));
+        let slope = match (before, behind) {
+            (Some(before), Some(behind)) => 0.5 * (behind - before),
+            (Some(before), None) => -before,
+            (None, Some(behind)) => behind,
+            (None, None) => return None,
+        };
+        Some(slope.atan())
+    }
+
     /// Where other contours cross an edge of a chain, from 0 to 1, and the tilts there.
     fn tilts(&self, chain: &Chain, edge: usize, normal: DVec3) -> Vec<(f64, f64)> {
         let [start, end] = chain.ends(edge).map(|point| chain.points[point]);
@@ -391,14 +452,15 @@ mod tests {
     }
 
     fn along(section: &Section) -> impl Iterator<Item = DVec3> + '_ {
-        section.segments().flat_map(|[start, end]| {
-            (0..8).map(move |step| start.lerp(end, f64::from(step) / 8.0))
-        })
+        section
+            .segments()
+            .flat_map(|[start, end]| (0..8).map(move |step| start.lerp(end, f64::from(step) / 8.0)))
     }
 
     /// Great circles of a sphere, and small ones across them.
     fn sphere(corners: u32) -> Vec<Section> {
-        let great = [DVec3::X, DVec3::new(0.3, 1.0, 0.1)].map(|normal| circle(normal, 0.0, corners));
+        let great =
+            [DVec3::X, DVec3::new(0.3, 1.0, 0.1)].map(|normal| circle(normal, 0.0, corners));
         great.into_iter().chain([-0.5, 0.4].map(|z| small(z, corners))).collect()
     }
 
@@ -418,13 +480,22 @@ mod tests {
     }
 
     #[test]
-    fn without_crossings_normals_lie_in_the_plane() {
-        let sections = [small(-0.5, 48), small(0.4, 48)];
+    fn a_contour_alone_has_normals_in_its_plane() {
         // They are off by the angle whose sine is the height.
-        let [low, high] =
-            [0, 1].map(|own| worst(&sections, along(&sections[own])));
-        assert!((low - 30.0).abs() < 0.3, "{low}");
-        assert!((high - 0.4f64.asin().to_degrees()).abs() < 0.3, "{high}");
+        for height in [-0.5f64, 0.4] {
+            let sections = [small(height, 48)];
+            let worst = worst(&sections, along(&sections[0]));
+            assert!((worst - height.abs().asin().to_degrees()).abs() < 0.3, "{height}: {worst}");
+        }
+    }
+
+    #[test]
+    fn contours_of_a_stack_lean_as_their_neighbours_say() {
+        let sections = [-0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6].map(|height| small(height, 48));
+        for (number, limit) in [(1, 2.0), (2, 1.0), (3, 0.3), (4, 1.0), (5, 2.0)] {
+            let worst = worst(&sections, along(&sections[number]));
+            assert!(worst < limit, "{number}: {worst}");
+        }
     }
 
     #[test]

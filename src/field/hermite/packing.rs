@@ -8,10 +8,10 @@ use glam::DVec3;
 
 use super::nodes::{FacetNodes, Node, Nodes};
 use crate::complex::Complex;
+use crate::field::Boundaries;
 use crate::field::boundaries::SMALLEST_CLEARANCE;
 use crate::field::packing::{Frame, PackedCorner, unit_cube};
 use crate::field::places::{key, step};
-use crate::field::Boundaries;
 use crate::label::Label;
 use crate::plane::Bounds;
 
@@ -87,7 +87,13 @@ struct Packing<'a> {
 
 impl HermiteCell {
     /// A cell's boundary. Values are in the given units of the world's.
-    pub fn new(boundaries: &Boundaries, nodes: &Nodes, cell: u32, unit: f64, density: bool) -> Self {
+    pub fn new(
+        boundaries: &Boundaries,
+        nodes: &Nodes,
+        cell: u32,
+        unit: f64,
+        density: bool,
+    ) -> Self {
         let complex = boundaries.complex();
         let facets = complex.cells().get(cell).map_or(&[][..], |cell| &cell.facets);
         let points = facets.iter().flat_map(|&facet| &nodes.on(facet).mesh.points).copied();

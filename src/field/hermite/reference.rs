@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::Options;
 use super::nodes::{Node, Nodes};
-use super::{Options};
 use crate::error::Result;
 use crate::field::places::{key, step};
 use crate::field::{Boundaries, Field, Queries};
@@ -114,7 +114,8 @@ impl Cell {
         }
         own.densities = vec![1.0; own.points.len()];
         if density {
-            own.densities = areas(&own.points, &own.triangles).into_iter().map(|a| 1.0 / a).collect();
+            own.densities =
+                areas(&own.points, &own.triangles).into_iter().map(|a| 1.0 / a).collect();
         }
         own
     }
@@ -314,6 +315,9 @@ mod tests {
     #[test]
     fn across_walls_slopes_agree_ever_better() {
         let jumps = [2, 4, 8].map(jump);
-        assert!(jumps[0] < 0.2 && jumps[1] < 0.6 * jumps[0] && jumps[2] < 0.6 * jumps[1], "{jumps:?}");
+        assert!(
+            jumps[0] < 0.2 && jumps[1] < 0.6 * jumps[0] && jumps[2] < 0.6 * jumps[1],
+            "{jumps:?}"
+        );
     }
 }
