@@ -26,6 +26,7 @@ pub fn section(plane: Plane, corners: &[DVec2], label: Label) -> Section {
         vertices: corners.iter().map(|corner| plane.project(point(corner))).collect(),
         edges: polygon(corners.len() as u32, label),
         background: Label::OUTSIDE,
+        normals: Vec::new(),
     }
 }
 
@@ -44,8 +45,14 @@ pub fn partition(
     polygons: &[(Vec<DVec2>, [Label; 2])],
     background: Label,
 ) -> Section {
-    let mut section =
-        Section { name: "test".into(), plane, vertices: vec![], edges: vec![], background };
+    let mut section = Section {
+        name: "test".into(),
+        plane,
+        vertices: vec![],
+        edges: vec![],
+        background,
+        normals: vec![],
+    };
     for (corners, [left, right]) in polygons {
         let (first, count) = (section.vertices.len() as u32, corners.len() as u32);
         let edge = |at| Edge {

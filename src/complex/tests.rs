@@ -29,6 +29,7 @@ fn empty(plane: Plane) -> Section {
         vertices: Vec::new(),
         edges: Vec::new(),
         background: Label::OUTSIDE,
+        normals: Vec::new(),
     }
 }
 

@@ -78,6 +78,9 @@ struct Planar {
     vertices: Option<Vec<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     edges: Option<Vec<(u32, u32, Word, Word)>>,
+    /// Of the surface, at the vertices.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normals: Option<Vec<Option<[f64; 3]>>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -88,6 +91,9 @@ struct Polygon {
     #[serde(skip_serializing_if = "Option::is_none")]
     hole_of: Option<usize>,
     points: Vec<[f64; 3]>,
+    /// Of the surface, at the points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normals: Option<Vec<Option<[f64; 3]>>>,
 }
 
 /// A label as written: its number, its name, `outside` or `unknown`.
@@ -150,6 +156,8 @@ struct Content {
     background: Option<Label>,
     extent: Option<Vec<DVec3>>,
     contours: Contours,
+    /// Points, and the surface's normals there.
+    normals: Vec<(DVec3, DVec3)>,
 }
 
 /// Reads the text of such a file; `file` is for errors.
@@ -275,13 +283,41 @@ fn raw(file: &Path, i: usize, planar: &Planar, materials: &[Material]) -> Result
         (None, None, None) => Contours::Graph(Vec::new(), Vec::new()),
         _ => return Err(error("it needs \"loops\", or \"vertices\" with \"edges\"".to_owned())),
     };
+    let normals = normals(planar).map_err(error)?;
     let content = Content {
         plane: Plane { normal: DVec3::from_array(planar.normal), offset: planar.offset },
         background: planar.background.as_ref().map(label).transpose()?,
         extent: planar.extent.as_deref().map(points),
         contours,
+        normals,
     };
     Ok(Raw { name, place, content })
+}
+
+/// Points of a section at which the surface's normal is given.
+fn normals(planar: &Planar) -> std::result::Result<Vec<(DVec3, DVec3)>, String> {
+    let of_loops =
+        planar.loops.iter().flatten().enumerate().map(|(i, polygon)| {
+            (format!("loops[{i}]"), "points", &polygon.points, &polygon.normals)
+        });
+    let none = Vec::new();
+    let vertices = planar.vertices.as_ref().unwrap_or(&none);
+    let of_graph = ("the section".to_owned(), "vertices", vertices, &planar.normals);
+    let mut known = Vec::new();
+    for (whose, what, points, normals) in of_loops.chain([of_graph]) {
+        let Some(normals) = normals else { continue };
+        if normals.len() != points.len() {
+            return Err(format!(
+                "{whose} has {} {what} and {} normals: give one for each, null where it is not \
+                 known",
+                points.len(),
+                normals.len()
+            ));
+        }
+        let pairs = points.iter().zip(normals).filter_map(|(&at, &normal)| Some((at, normal?)));
+        known.extend(pairs.map(|(at, normal)| (at.into(), normal.into())));
+    }
+    Ok(known)
 }
 
 fn points(points: &[[f64; 3]]) -> Vec<DVec3> {
@@ -344,7 +380,7 @@ fn make(raw: &Raw<Content>, diagonal: f64, rules: &Rules) -> Result<(Section, Fi
         section = within;
         findings.append(found);
     }
-    Ok((section, findings))
+    Ok((section.with_normals(content.normals.iter().copied())?, findings))
 }
 
 /// Writes sections as JSON: every section a planar graph, on a line of its
@@ -417,6 +453,7 @@ fn named(material: &Material) -> Named {
 fn planar(section: &Section) -> Planar {
     let vertices = 0..section.vertices().len() as u32;
     let edge = |edge: &Edge| (edge.start, edge.end, edge.left.into(), edge.right.into());
+    let known = |normal: DVec3| (normal != DVec3::ZERO).then(|| normal.to_array());
     Planar {
         name: Some(section.name().to_owned()),
         normal: section.plane().normal.to_array(),
@@ -424,6 +461,8 @@ fn planar(section: &Section) -> Planar {
         background: Some(section.background().into()),
         vertices: Some(vertices.map(|vertex| section.point(vertex).to_array()).collect()),
         edges: Some(section.edges().iter().map(edge).collect()),
+        normals: (!section.normals().is_empty())
+            .then(|| section.normals().iter().map(|&normal| known(normal)).collect()),
         ..Planar::default()
     }
 }

@@ -100,6 +100,7 @@ impl Section {
         let blank = Self {
             vertices: Vec::new(),
             edges: Vec::new(),
+            normals: Vec::new(),
             background: Label::UNKNOWN,
             ..moved.clone()
         };

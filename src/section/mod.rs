@@ -7,6 +7,7 @@ pub mod ends;
 mod extent;
 mod graph;
 mod loops;
+mod normals;
 mod overlay;
 mod ray;
 pub mod reach;
@@ -63,6 +64,8 @@ pub struct Section {
     pub(crate) vertices: Vec<DVec2>,
     pub(crate) edges: Vec<Edge>,
     pub(crate) background: Label,
+    /// As [`Section::normals`] has them.
+    pub(crate) normals: Vec<DVec3>,
 }
 
 impl Section {

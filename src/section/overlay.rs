@@ -4,6 +4,7 @@
 use glam::{DVec2, DVec3};
 
 use super::draft::{Draft, stretch};
+use super::normals::Normals;
 use super::subdivision::{Curves, Subdivision, Windings, times};
 use super::{Edge, Section};
 use crate::error::Result;
@@ -12,6 +13,7 @@ use crate::label::Label;
 /// Two sections over each other.
 pub(super) struct Overlay {
     subdivision: Subdivision,
+    normals: Normals,
     /// The labels of both sections on every face.
     pub labels: Vec<[Label; 2]>,
 }
@@ -37,7 +39,9 @@ impl Overlay {
                 label(windings, sections[1], &labels[1], count),
             ]
         };
-        Ok(Self { labels: faces.iter().map(of).collect(), subdivision })
+        let mut normals = Normals::default();
+        sections.into_iter().for_each(|section| normals.add(section));
+        Ok(Self { normals, labels: faces.iter().map(of).collect(), subdivision })
     }
 
     /// The area on which both sections speak and say different things, and a
@@ -66,7 +70,9 @@ impl Overlay {
     /// The section whose labels are made of both.
     pub fn section(self, draft: &Draft, combine: impl Fn([Label; 2]) -> Label) -> Section {
         let labels: Vec<Label> = self.labels.iter().map(|&pair| combine(pair)).collect();
-        self.subdivision.section(draft, &labels)
+        let mut section = self.subdivision.section(draft, &labels);
+        self.normals.give(&mut section);
+        section
     }
 }
 
@@ -104,6 +110,7 @@ impl Section {
             vertices: self.vertices.iter().map(|vertex| DVec2::new(vertex.y, vertex.x)).collect(),
             edges: self.edges.iter().map(swap).collect(),
             background: self.background,
+            normals: self.normals.clone(),
         }
     }
 }

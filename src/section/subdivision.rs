@@ -286,8 +286,9 @@ impl Subdivision {
             .filter(|edge| edge.left != edge.right)
             .collect();
         let vertices = keep_used(&self.points, &mut edges);
-        let background = labels[UNBOUNDED];
-        Section { name: draft.name.to_owned(), plane: draft.plane, vertices, edges, background }
+        let (background, normals) = (labels[UNBOUNDED], Vec::new());
+        let (name, plane) = (draft.name.to_owned(), draft.plane);
+        Section { name, plane, vertices, edges, background, normals }
     }
 }
 

@@ -5,9 +5,11 @@
 //! leans out of the section's plane: so the normal is at a right angle to the contour
 //! everywhere, and on a sphere it is right everywhere. (The paper interpolates the normals
 //! themselves, which is off by 4° midway on a quarter of a great circle.) A contour without
-//! crossings, for which the paper takes normals in its plane, leans as the nearest parallel
-//! sections say: as much as they show more or less of the label around the same place. Without
-//! parallel sections it does not lean.
+//! crossings, for which the paper takes normals in its plane, leans as the nearest sections
+//! before and behind it say: as much as they show more or less of the label around the same
+//! place. Where none faces it, it does not lean.
+//!
+//! What a section itself says of normals ([`Section::normals`]) is known like at a crossing.
 //!
 //! Tangents are means at vertices, linear along edges, and all the way normalised: those of
 //! edges alone are off by half a turn of the polygon.
@@ -22,10 +24,10 @@ use crate::segments::{Hint, SegmentTree};
 
 /// Contours that pass each other at less than this part of the diagonal of all of them cross.
 const NEAR: f64 = 5e-3;
-/// Normals of parallel sections enclose angles with a cosine of at least this.
-const SAME_NORMAL: f64 = 1.0 - 1e-9;
-/// By how much a surface moves between parallel sections at most, in distances between them: where
-/// a section shows nothing near that the next one shows, it is not known how far it moves.
+/// Normals of sections that face each other enclose an angle with at least this cosine.
+const FACING: f64 = 0.7;
+/// How much a surface moves within a plane at most, per distance across it: where a section shows
+/// nothing near that the next one shows, it is not known how far it moves.
 const MOST_LEAN: f64 = 1.0;
 /// Where tangents enclose an angle with a sine below this they say nothing of the normal.
 const PARALLEL: f64 = 0.1;
@@ -121,6 +123,8 @@ struct Chain {
     points: Vec<DVec3>,
     /// At every point.
     tangents: Vec<DVec3>,
+    /// The surface's normals that are known, at every point; 0 where they are not.
+    normals: Vec<DVec3>,
     is_closed: bool,
 }
 
@@ -166,7 +170,9 @@ fn chains(number: usize, section: &Section) -> Vec<Chain> {
     let chain = |(labels, edges): ([Label; 2], Vec<[u32; 2]>)| {
         trails(&edges).into_iter().map(move |(trail, is_closed)| {
             let points = trail.iter().map(|&vertex| section.point(vertex)).collect();
-            Chain::new(number, labels, points, is_closed)
+            let own = |&vertex: &u32| section.normals().get(vertex as usize).copied();
+            let normals = trail.iter().map(|vertex| own(vertex).unwrap_or_default()).collect();
+            Chain::new(number, labels, points, is_closed).with(normals)
         })
     };
     edges.into_iter().flat_map(chain).collect()
@@ -219,7 +225,21 @@ impl Chain {
             (before + after).normalize_or(after)
         };
         let tangents = (0..count).map(tangent).collect();
-        Self { section, labels, points, tangents, is_closed }
+        let normals = vec![DVec3::ZERO; count];
+        Self { section, labels, points, tangents, normals, is_closed }
+    }
+
+    fn with(self, normals: Vec<DVec3>) -> Self {
+        Self { normals, ..self }
+    }
+
+    /// The tilt at a point where the surface's normal is known.
+    fn known_tilt(&self, point: usize, normal: DVec3) -> Option<f64> {
+        let left = normal.cross(self.tangents[point]);
+        let [along, across] = [left, normal].map(|axis| axis.dot(self.normals[point]));
+        // It may point either way.
+        let sign = if along < 0.0 { -1.0 } else { 1.0 };
+        (along.hypot(across) > PARALLEL).then(|| (sign * across).atan2(sign * along))
     }
 
     fn edges(&self) -> usize {
@@ -244,7 +264,8 @@ impl Chain {
         for edge in 0..self.edges() {
             let [start, end] = self.ends(edge).map(|point| self.points[point]);
             let span = start.distance(end);
-            places.push((length, start, self.tangent(edge, 0.0), None));
+            let known = self.known_tilt(edge, normal);
+            places.push((length, start, self.tangent(edge, 0.0), known));
             for (along, tilt) in crossing.tilts(self, edge, normal) {
                 let (at, tangent) = (start.lerp(end, along), self.tangent(edge, along));
                 places.push((length + along * span, at, tangent, Some(tilt)));
@@ -252,13 +273,17 @@ impl Chain {
             length += span;
         }
         let last = self.ends(self.edges() - 1)[1];
-        places.push((length, self.points[last], self.tangents[last], None));
+        places.push((
+            length,
+            self.points[last],
+            self.tangents[last],
+            self.known_tilt(last, normal),
+        ));
         let mut known: Vec<(f64, f64)> =
             places.iter().filter_map(|place| Some((place.0, place.3?))).collect();
         if known.is_empty() {
-            let around = crossing.parallel(self.section);
             let lean = |place: &(f64, DVec3, DVec3, Option<f64>)| {
-                Some((place.0, crossing.lean(self.labels, place.1, &around)?))
+                Some((place.0, crossing.lean(self, place.1, normal)?))
             };
             known.extend(places.iter().filter_map(lean));
         }
@@ -330,51 +355,46 @@ struct Crossing<'a> {
 }
 
 impl Crossing<'_> {
-    /// The nearest sections parallel to a section, before and behind it along its normal, and how
-    /// far they are.
-    fn parallel(&self, section: usize) -> [Option<(usize, f64)>; 2] {
-        let plane = self.sections[section].plane().unit();
-        let others = self.sections.iter().enumerate().filter_map(|(number, other)| {
-            let other = other.plane().unit();
-            let cosine = other.normal.dot(plane.normal);
-            let offset = if cosine < 0.0 { -other.offset } else { other.offset };
-            (cosine.abs() >= SAME_NORMAL).then_some((number, offset - plane.offset))
-        });
-        let nearest = |sign: f64| {
-            let own = others.clone().map(|(number, at)| (number, sign * at));
-            own.filter(|(_, at)| *at > 0.0).min_by(|one, other| one.1.total_cmp(&other.1))
+    /// The tilt at a place on a contour that the nearest sections before and behind it, along its
+    /// plane's normal, say.
+    fn lean(&self, chain: &Chain, at: DVec3, normal: DVec3) -> Option<f64> {
+        let seen = |(number, section): (usize, &Section)| {
+            let plane = section.plane().unit();
+            let cosine = plane.normal.dot(normal);
+            let along = -plane.distance(at) / cosine;
+            let is_ahead = cosine.abs() >= FACING && along.abs() > self.near;
+            (number != chain.section && is_ahead).then_some((number, along))
         };
-        [nearest(-1.0), nearest(1.0)]
+        let mut all: Vec<(usize, f64)> =
+            self.sections.iter().enumerate().filter_map(seen).collect();
+        all.sort_by(|one, other| one.1.abs().total_cmp(&other.1.abs()));
+        let slope = |sign: f64| {
+            let mut own = all.iter().filter(|(_, along)| sign * along > 0.0);
+            own.find_map(|&(number, along)| {
+                Some(sign * self.growth(chain.labels, at + along * normal, number)? / along.abs())
+            })
+        };
+        match (slope(-1.0), slope(1.0)) {
+            (Some(before), Some(behind)) => Some(0.5 * (before + behind)),
+            (before, behind) => before.or(behind),
+        }
+        .map(|slope| slope.clamp(-MOST_LEAN, MOST_LEAN).atan())
     }
 
-    /// The tilt at a place on a contour that parallel sections around it say.
-    fn lean(
-        &self,
-        labels: [Label; 2],
-        at: DVec3,
-        around: &[Option<(usize, f64)>; 2],
-    ) -> Option<f64> {
-        let normal = |section: usize| self.sections[section].plane().unit_normal();
-        // How much farther the left label reaches, per distance: negative where it reaches less.
-        let growth = |&(number, distance): &(usize, f64)| {
-            let section = &self.sections[number];
-            let foot = at - section.plane().distance(at) * normal(number);
-            let is_inside = section.label_at(section.plane().project(foot)) == labels[0];
-            let to_contour = match self.others.get(&(number, labels)) {
-                Some(others) => others.tree.distance(foot, &mut Hint::default()),
-                None => f64::INFINITY,
-            };
-            let limited = (to_contour / distance).min(MOST_LEAN);
-            if is_inside { limited } else { -limited }
+    /// How much farther the smaller label of a contour reaches on a section than up to a place:
+    /// negative where it reaches less; `None` where the section does not know.
+    fn growth(&self, labels: [Label; 2], at: DVec3, section: usize) -> Option<f64> {
+        let own = &self.sections[section];
+        let label = own.label_at(own.plane().project(at));
+        let far = match self.others.get(&(section, labels)) {
+            Some(others) => others.tree.distance(at, &mut Hint::default()),
+            None => f64::MAX,
         };
-        let [before, behind] = around.each_ref().map(|around| around.as_ref().map(growth));
-        let slope = match (before, behind) {
-            (Some(before), Some(behind)) => 0.5 * (behind - before),
-            (Some(before), None) => -before,
-            (None, Some(behind)) => behind,
-            (None, None) => return None,
-        };
-        Some(slope.atan())
+        match label {
+            Label::UNKNOWN => None,
+            label if label == labels[0] => Some(far),
+            _ => Some(-far),
+        }
     }
 
     /// Where other contours cross an edge of a chain, from 0 to 1, and the tilts there.
