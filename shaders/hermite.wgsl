@@ -31,8 +31,9 @@ struct Job {
 @group(0) @binding(1) var<storage, read> faces: array<Face>;
 /// Corners, one row each: the part on the grid, and the remainder. Triangles, five rows each:
 /// the rows of their corners and 1 / 4 A; their nodes and one bit for every edge that runs
-/// clockwise; and for the edge opposite to each corner its span and that one's square. All but
-/// numbers and bits are the bits of f32.
+/// clockwise; and for the edge opposite to each corner its span and that one's square, in the
+/// first of these the square of the distance from which on a triangle is far, in the second A / 6.
+/// All but numbers and bits are the bits of f32.
 @group(0) @binding(2) var<storage, read> rows: array<vec4<u32>>;
 /// For every node how much it counts, and for every label a constant and a gradient.
 @group(0) @binding(3) var<storage, read> tangents: array<vec4<f32>>;
@@ -64,6 +65,12 @@ fn add(weight: u32, node: u32, share: vec4<f32>) {
     weights[weight + node * GROUP] += share;
 }
 
+/// 1 / r⁴ in the middle of an edge.
+fn middle_of(start: Corner, end: Corner, row: vec4<u32>) -> vec4<f32> {
+    let middle = 0.5 * (start.r_squared + end.r_squared) - 0.25 * bitcast<f32>(row.z);
+    return 1.0 / (middle * middle);
+}
+
 /// Adds the weights of a triangle's corners to those of its nodes.
 fn add_triangle(row: u32, feet: Feet, weight: u32) {
     let corners = rows[row];
@@ -72,18 +79,30 @@ fn add_triangle(row: u32, feet: Feet, weight: u32) {
     let b = corner_of(bitcast<vec4<f32>>(rows[corners.y]), feet);
     let c = corner_of(bitcast<vec4<f32>>(rows[corners.z]), feet);
     let gamma = feet.gamma;
-    let sa = side_of(array(b, c), rows[row + 2u], (nodes.w & 1u) != 0u, gamma);
-    let sb = side_of(array(c, a), rows[row + 3u], (nodes.w & 2u) != 0u, gamma);
-    let sc = side_of(array(a, b), rows[row + 4u], (nodes.w & 4u) != 0u, gamma);
-    let all = sa.ratio * sa.cross + sb.ratio * sb.cross + sc.ratio * sc.cross;
-    let u = sa.ratio * sa.span.x + sb.ratio * sb.span.x + sc.ratio * sc.span.x;
-    let v = sa.ratio * sa.span.y + sb.ratio * sb.span.y + sc.ratio * sc.span.y;
+    let ma = middle_of(b, c, rows[row + 2u]);
+    let mb = middle_of(c, a, rows[row + 3u]);
+    let mc = middle_of(a, b, rows[row + 4u]);
     let quarter = bitcast<f32>(corners.w);
-    let across = all / gamma * quarter;
-    let along = gamma * quarter;
-    add(weight, nodes.x, sa.cross * across + along * (sa.span.x * u + sa.span.y * v));
-    add(weight, nodes.y, sb.cross * across + along * (sb.span.x * u + sb.span.y * v));
-    add(weight, nodes.z, sc.cross * across + along * (sc.span.x * u + sc.span.y * v));
+    let share = gamma * bitcast<f32>(rows[row + 3u].w);
+    var found = array(share * (mb + mc), share * (mc + ma), share * (ma + mb));
+    let far = bitcast<f32>(rows[row + 2u].w);
+    let near = min(a.r_squared, min(b.r_squared, c.r_squared)) < vec4<f32>(far);
+    if any(near) {
+        let sa = side_of(array(b, c), rows[row + 2u], (nodes.w & 1u) != 0u, gamma);
+        let sb = side_of(array(c, a), rows[row + 3u], (nodes.w & 2u) != 0u, gamma);
+        let sc = side_of(array(a, b), rows[row + 4u], (nodes.w & 4u) != 0u, gamma);
+        let all = sa.ratio * sa.cross + sb.ratio * sb.cross + sc.ratio * sc.cross;
+        let u = sa.ratio * sa.span.x + sb.ratio * sb.span.x + sc.ratio * sc.span.x;
+        let v = sa.ratio * sa.span.y + sb.ratio * sb.span.y + sc.ratio * sc.span.y;
+        let across = all / gamma * quarter;
+        let along = gamma * quarter;
+        found[0] = select(found[0], sa.cross * across + along * (sa.span.x * u + sa.span.y * v), near);
+        found[1] = select(found[1], sb.cross * across + along * (sb.span.x * u + sb.span.y * v), near);
+        found[2] = select(found[2], sc.cross * across + along * (sc.span.x * u + sc.span.y * v), near);
+    }
+    add(weight, nodes.x, found[0]);
+    add(weight, nodes.y, found[1]);
+    add(weight, nodes.z, found[2]);
 }
 
 /// g(λ) of a node, times how much it counts.

@@ -324,7 +324,8 @@ impl Ground<'_> {
         let nodes = stages.run("triangulation", |counts| {
             progress.go_on()?;
             progress.begin("triangulation", 0);
-            let nodes = hermite::Nodes::new(&boundaries, sections, &method.interpolation)?;
+            let nodes =
+                hermite::Nodes::new(&boundaries, sections, &method.interpolation, progress)?;
             counts.insert("triangles".into(), nodes.triangle_count() as u64);
             Ok(nodes)
         })?;

@@ -98,7 +98,7 @@ pub struct MethodArguments {
     /// With --method mvc: how finely unknown regions are completed, with hermite how finely all of the sections is triangulated: the length of a triangle's side, in world units [default: 1/16 of the box; with hermite 1/32]
     #[arg(long, value_name = "H", value_parser = positive)]
     pub spacing: Option<f64>,
-    /// With --method hermite: the gradients of distances away from contours: none, those of the distance itself, or the normal at the nearest contour [default: normals]
+    /// With --method hermite: the gradients of distances away from contours: none at all, those of the distance itself, the nearest contour's normal within its plane, or the surface's normal there [default: normals]
     #[arg(long, value_enum)]
     pub gradients: Option<GradientsName>,
     /// With --method hermite: whether finely cut regions count as much as others of their size (even), or less, as in the paper (uneven) [default: uneven]
@@ -394,10 +394,11 @@ impl MethodName {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum GradientsName {
     None,
     Distance,
+    InPlane,
     Normals,
 }
 
@@ -406,6 +407,7 @@ impl From<GradientsName> for Gradients {
         match name {
             GradientsName::None => Self::None,
             GradientsName::Distance => Self::Distance,
+            GradientsName::InPlane => Self::InPlane,
             GradientsName::Normals => Self::Normals,
         }
     }

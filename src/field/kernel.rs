@@ -24,7 +24,7 @@ pub(super) struct Feet<const N: usize, const FMA: bool> {
 pub(super) struct Corner<const N: usize, const FMA: bool> {
     p: [Lanes<N, FMA>; 2],
     /// ‖p‖² + γ².
-    r_squared: Lanes<N, FMA>,
+    pub r_squared: Lanes<N, FMA>,
     r: Lanes<N, FMA>,
 }
 

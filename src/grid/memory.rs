@@ -44,20 +44,20 @@ pub fn estimate_memory(lattice: &Lattice, sections: &[Section], materials: usize
 pub fn require_memory(lattice: &Lattice, sections: &[Section], materials: usize) -> Result<()> {
     let [x, y, z] = lattice.dims;
     let needed = estimate_memory(lattice, sections, materials);
-    require_bytes(needed, || format!("a grid of {x} × {y} × {z} nodes"))
+    require_bytes(needed, Remedy::CoarserLattice, || format!("a grid of {x} × {y} × {z} nodes"))
 }
 
-/// Refuses what a grid needs, and would not fit.
+/// Refuses what would not fit, with what to ask for instead.
 ///
 /// # Errors
 /// As [`require_memory`].
-pub(crate) fn require_bytes(needed: u64, what: impl Fn() -> String) -> Result<()> {
+pub(crate) fn require_bytes(needed: u64, remedy: Remedy, what: impl Fn() -> String) -> Result<()> {
     let available = available_memory();
     if needed <= available {
         return Ok(());
     }
     let what = what();
-    Err(Error::Memory { what, needed, available }.avoidable(Remedy::CoarserLattice))
+    Err(Error::Memory { what, needed, available }.avoidable(remedy))
 }
 
 /// The area of all surfaces, from the length of the contours: for planes in

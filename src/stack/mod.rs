@@ -25,7 +25,7 @@ mod spline;
 
 use glam::DVec3;
 
-use crate::error::Result;
+use crate::error::{Remedy, Result};
 use crate::grid::assembly::assemble;
 use crate::grid::contour::segments;
 use crate::grid::frame::Frame;
@@ -61,7 +61,7 @@ pub(crate) fn stacked(
     let materials = labels(sections);
     let count = slices.heights.len();
     let images = (BYTES_PER_LABEL * materials.len() as u64 + BYTES_PER_PIXEL) * count as u64;
-    require_bytes(images.saturating_mul(slices.pixels() as u64), || {
+    require_bytes(images.saturating_mul(slices.pixels() as u64), Remedy::CoarserLattice, || {
         format!("images of {count} slices for each of {} labels", materials.len())
     })?;
     progress.begin("field", materials.len() as u64);

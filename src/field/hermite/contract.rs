@@ -10,6 +10,7 @@ use crate::field::{Boundaries, Field, Queries, Run};
 use crate::gpu::Adapter;
 use crate::label::Label;
 use crate::plane::Plane;
+use crate::progress::Silent;
 use crate::random::Random;
 use crate::section::Section;
 
@@ -128,7 +129,7 @@ fn difference(make: Make, sections: &[Section], middle: DVec3, options: &Options
     let bounds = Bounds { min: middle - 1.0, max: middle + 1.0 };
     let complex = Complex::new(sections, bounds, Label::OUTSIDE).unwrap();
     let boundaries = Boundaries::new(&complex, 1e-4, options.spacing).unwrap();
-    let nodes = Nodes::new(&boundaries, sections, options).unwrap();
+    let nodes = Nodes::new(&boundaries, sections, options, &Silent).unwrap();
     let Some(field) = make(&boundaries, &nodes, options) else { return 0.0 };
     let queries = queries(&complex, &mut random, 400);
     let found = field.evaluate(&queries).unwrap();
@@ -195,7 +196,7 @@ fn is_what_sections_say_on_them(make: Make) {
     let complex = Complex::new(&sections, bounds, Label::OUTSIDE).unwrap();
     let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
     let options = Options { spacing: Some(0.1), ..Options::default() };
-    let nodes = Nodes::new(&boundaries, &sections, &options).unwrap();
+    let nodes = Nodes::new(&boundaries, &sections, &options, &Silent).unwrap();
     let Some(field) = make(&boundaries, &nodes, &options) else { return };
     let [u, v] = plane.tangents();
     for (along, expected) in [(0.0, 0.5), (0.3, 0.2), (0.5, 0.0), (0.7, -0.2)] {
@@ -228,7 +229,7 @@ fn keeps_what_is_linear(make: Make) {
     let complex = Complex::new(&sections, bounds, Label::OUTSIDE).unwrap();
     let boundaries = Boundaries::new(&complex, 1e-4, None).unwrap();
     let options = Options { spacing: Some(0.1), ..Options::default() };
-    let nodes = Nodes::new(&boundaries, &sections, &options).unwrap();
+    let nodes = Nodes::new(&boundaries, &sections, &options, &Silent).unwrap();
     let Some(field) = make(&boundaries, &nodes, &options) else { return };
     for z in [0.1, 0.2, 0.3] {
         let point = DVec3::new(0.06, 0.04, z);
@@ -246,7 +247,7 @@ fn ignores_the_order_of_runs(make: Make) {
     let complex = Complex::new(&sections, bounds, Label::OUTSIDE).unwrap();
     let boundaries = Boundaries::new(&complex, 1e-4, None).unwrap();
     let options = Options { spacing: Some(0.3), ..Options::default() };
-    let nodes = Nodes::new(&boundaries, &sections, &options).unwrap();
+    let nodes = Nodes::new(&boundaries, &sections, &options, &Silent).unwrap();
     let Some(field) = make(&boundaries, &nodes, &options) else { return };
     let queries = queries(&complex, &mut random, 150);
     let values = field.evaluate(&queries).unwrap();
@@ -272,7 +273,7 @@ fn answers_nothing_with_nothing(make: Make) {
     let complex = Complex::new(&sections, bounds, Label::OUTSIDE).unwrap();
     let boundaries = Boundaries::new(&complex, 1e-4, None).unwrap();
     let options = Options::default();
-    let nodes = Nodes::new(&boundaries, &sections, &options).unwrap();
+    let nodes = Nodes::new(&boundaries, &sections, &options, &Silent).unwrap();
     let Some(field) = make(&boundaries, &nodes, &options) else { return };
     assert!(field.evaluate(&Queries::default()).unwrap().is_empty());
     let empty = Queries { points: Vec::new(), runs: vec![Run { cell: 0, points: 0..0 }] };

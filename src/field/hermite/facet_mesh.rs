@@ -11,8 +11,9 @@ use crate::ffi::triangulation as ffi;
 use crate::field::places::{PlaneFrame, key, pieces, step};
 use crate::label::Label;
 
-/// What is thinner is nothing but rounding: its area relative to the square of its longest side.
-const NEEDLE: f64 = 1e-9;
+/// A triangle whose height is less than this part of its longest side is left out: what it weighs
+/// is nothing, and single precision would make it more.
+const NEEDLE: f64 = 1e-3;
 
 /// A facet's triangles.
 #[derive(Debug, Default)]
@@ -73,10 +74,9 @@ impl FacetMesh {
         let [a, b, c] = corners.map(|corner| self.points[corner as usize]);
         let sides = [b - a, c - b, a - c];
         let longest = sides.iter().map(|side| side.length_squared()).fold(0.0, f64::max);
-        if sides[0].cross(sides[1]).length() <= NEEDLE * longest {
-            return;
+        if sides[0].cross(sides[1]).length() > NEEDLE * longest {
+            self.triangles.push(corners);
         }
-        self.triangles.push(corners);
         for corner in corners {
             let around = &mut self.around[corner as usize];
             if !around.contains(&label) {
@@ -145,7 +145,7 @@ mod tests {
             let side = |along: f64| along * stack.scale;
             let expected = if number < 3 { side(2.0) * side(2.0) } else { side(2.0) * side(1.0) };
             let found = area(&mesh, normal);
-            assert!((found / expected - 1.0).abs() < 1e-9, "{number}: {found}, not {expected}");
+            assert!((found / expected - 1.0).abs() < 1e-3, "{number}: {found}, not {expected}");
             let meets = mesh.around.iter().filter(|labels| labels.len() == 2).count();
             assert!(if number < 3 { meets >= 8 * 20 } else { meets == 0 }, "{number}: {meets}");
             assert!(mesh.around.iter().all(|labels| (1..=2).contains(&labels.len())));

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 use super::Cpu;
-use super::packing::HermiteCell;
+use super::packing::{HermiteCell, HermiteEdge};
 use crate::error::Result;
 use crate::field::gpu::batch::{Batch, GROUP, LaidOut, Target, batches};
 use crate::field::gpu::layout::DeviceFace;
@@ -227,21 +227,15 @@ impl Tables {
             let first_triangle = self.rows.len() as u32;
             let edges = &cell.edges[face.edges.clone()];
             for triangle in &cell.triangles[face.triangles.clone()] {
-                // The corner opposite to an edge begins the next one.
-                let corner = |own: usize| {
-                    let next = (own + 2) % 3;
-                    let [start, end] = edges[triangle.edges[next] as usize].ends;
-                    first_corner + if triangle.signs[next] > 0.0 { start } else { end }
-                };
-                let [a, b, c] = [0, 1, 2].map(corner);
+                let [a, b, c] = triangle.corners.map(|corner| first_corner + corner);
                 self.rows.push([a, b, c, triangle.quarter.to_bits()]);
                 let clockwise = (0..3).filter(|&own| triangle.signs[own] < 0.0);
                 let [a, b, c] = triangle.nodes;
                 self.rows.push([a, b, c, clockwise.fold(0, |bits, own| bits | 1 << own)]);
-                self.rows.extend(triangle.edges.map(|own| {
-                    let edge = &edges[own as usize];
-                    let [u, v] = edge.span.map(f32::to_bits);
-                    [u, v, edge.span_squared.to_bits(), 0]
+                let more = [triangle.far, triangle.sixth, 0.0];
+                self.rows.extend(triangle.edges.iter().zip(more).map(|(&own, more)| {
+                    let HermiteEdge { span: [u, v], span_squared, .. } = edges[own as usize];
+                    [u, v, span_squared, more].map(f32::to_bits)
                 }));
             }
             let triangles = [first_triangle, self.rows.len() as u32];

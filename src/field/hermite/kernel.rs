@@ -1,16 +1,20 @@
 //! The evaluation of one cell for a block of points, one point per lane; as in `field/kernel`
 //! there are loops where iterators would be shorter.
+//!
+//! Small triangles far away take most of the time, and the closed form loses digits on them: it
+//! is a small difference of large numbers. There the integral that it is, of γ/r⁴ times a corner's
+//! share, is taken from the values in the middle of the edges, which is right for quadratic ones.
 
 use glam::DVec3;
 
-use super::packing::{HermiteCell, HermiteFace};
+use super::packing::{HermiteCell, HermiteEdge, HermiteFace, HermiteTriangle};
 use crate::field::kernel::{Corner, Feet, angle};
 use crate::field::lanes::Lanes;
 
 /// What is needed on the way; what it holds does not matter.
 pub struct Scratch<const N: usize, const FMA: bool> {
     corners: Vec<Corner<N, FMA>>,
-    edges: Vec<[Lanes<N, FMA>; 2]>,
+    edges: Vec<Lanes<N, FMA>>,
     /// For every node its weight.
     weights: Vec<[f32; N]>,
 }
@@ -57,40 +61,73 @@ fn add_face<const N: usize, const FMA: bool>(
     for corner in &cell.corners[face.corners.clone()] {
         corners.push(feet.corner(corner.at, corner.rest, gamma_squared));
     }
-    // Triangles on both sides of an edge must take the same angle, else what is wrong with it
-    // does not cancel between them.
+    // 1 / r⁴ in the middle of every edge.
     edges.clear();
     for edge in &cell.edges[face.edges.clone()] {
         let (start, end) = (&corners[edge.ends[0] as usize], &corners[edge.ends[1] as usize]);
-        let angle = angle(start, end, edge.span, edge.span_squared, gamma_squared);
-        edges.push([angle.ratio, angle.cross]);
+        let sum = start.r_squared + end.r_squared;
+        let middle = sum.mul_add(Lanes::splat(0.5), Lanes::splat(-0.25 * edge.span_squared));
+        let inverse = middle.reciprocal();
+        edges.push(inverse * inverse);
     }
-    let spans = &cell.edges[face.edges.clone()];
+    let own_edges = &cell.edges[face.edges.clone()];
     for triangle in &cell.triangles[face.triangles.clone()] {
-        let mut all = Lanes::splat(0.0);
-        let (mut all_u, mut all_v) = (Lanes::splat(0.0), Lanes::splat(0.0));
-        for corner in 0..3 {
-            let (own, sign) = (triangle.edges[corner] as usize, triangle.signs[corner]);
-            let [ratio, cross] = edges[own];
-            let signed = ratio * Lanes::splat(sign);
-            all = signed.mul_add(cross, all);
-            all_u = signed.mul_add(Lanes::splat(spans[own].span[0]), all_u);
-            all_v = signed.mul_add(Lanes::splat(spans[own].span[1]), all_v);
+        let [a, b, c] = triangle.edges.map(|edge| edges[edge as usize]);
+        let share = gamma * Lanes::splat(triangle.sixth);
+        let mut found = [share * (b + c), share * (c + a), share * (a + b)];
+        let [x, y, z] = triangle.corners.map(|corner| corners[corner as usize].r_squared);
+        let mut least = [0.0; N];
+        for lane in 0..N {
+            least[lane] = x.0[lane].min(y.0[lane]).min(z.0[lane]) - triangle.far;
         }
-        let quarter = Lanes::splat(triangle.quarter);
-        let across = all * inverse * quarter;
-        let along = gamma * quarter;
+        let beyond = Lanes::<N, FMA>(least);
+        if beyond.any_negative() {
+            let near = near_weights(triangle, own_edges, corners, [gamma, gamma_squared, inverse]);
+            for corner in 0..3 {
+                found[corner] = beyond.if_negative(near[corner], found[corner]);
+            }
+        }
         for corner in 0..3 {
-            let (own, sign) = (triangle.edges[corner] as usize, triangle.signs[corner]);
-            let [du, dv] = spans[own].span.map(|along| Lanes::<N, FMA>::splat(sign * along));
-            let cross = edges[own][1] * Lanes::splat(sign);
-            let weight = cross * across + along * du.mul_add(all_u, dv * all_v);
             let sum = &mut weights[triangle.nodes[corner] as usize];
             for lane in 0..N {
-                sum[lane] += weight.0[lane];
+                sum[lane] += found[corner].0[lane];
             }
         }
     }
+}
+
+/// The weights of a triangle's corners in closed form. Both triangles of an edge must take the
+/// same angle, else what is wrong with it does not cancel between them.
+#[inline(always)]
+fn near_weights<const N: usize, const FMA: bool>(
+    triangle: &HermiteTriangle,
+    edges: &[HermiteEdge],
+    corners: &[Corner<N, FMA>],
+    [gamma, gamma_squared, inverse]: [Lanes<N, FMA>; 3],
+) -> [Lanes<N, FMA>; 3] {
+    let mut crosses = [Lanes::splat(0.0); 3];
+    let mut spans = [[Lanes::splat(0.0); 2]; 3];
+    let mut all = Lanes::splat(0.0);
+    let (mut all_u, mut all_v) = (Lanes::splat(0.0), Lanes::splat(0.0));
+    for own in 0..3 {
+        let (edge, sign) = (&edges[triangle.edges[own] as usize], triangle.signs[own]);
+        let (start, end) = (&corners[edge.ends[0] as usize], &corners[edge.ends[1] as usize]);
+        let angle = angle(start, end, edge.span, edge.span_squared, gamma_squared);
+        crosses[own] = angle.cross * Lanes::splat(sign);
+        spans[own] = edge.span.map(|along| Lanes::splat(sign * along));
+        all = angle.ratio.mul_add(crosses[own], all);
+        all_u = angle.ratio.mul_add(spans[own][0], all_u);
+        all_v = angle.ratio.mul_add(spans[own][1], all_v);
+    }
+    let quarter = Lanes::splat(triangle.quarter);
+    let across = all * inverse * quarter;
+    let along = gamma * quarter;
+    let mut weights = [Lanes::splat(0.0); 3];
+    for own in 0..3 {
+        let [du, dv] = spans[own];
+        weights[own] = crosses[own] * across + along * du.mul_add(all_u, dv * all_v);
+    }
+    weights
 }
 
 /// Eq. 3 from the nodes' weights.

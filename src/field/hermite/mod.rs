@@ -68,13 +68,16 @@ pub struct Options {
     pub density: bool,
 }
 
-/// What gradients are away from contours.
+/// What gradients are away from contours; on contours, the surface's normals.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Gradients {
     /// None anywhere: values alone are interpolated.
     None,
     /// Those of the distance to the nearest contour.
     Distance,
+    /// The normal of the nearest contour within its section's plane, as if every surface stood at
+    /// a right angle to it; on contours, too.
+    InPlane,
     /// The surface's normal at the nearest place on a contour.
     #[default]
     Normals,

@@ -12,13 +12,21 @@ use rayon::prelude::*;
 use super::facet_mesh::FacetMesh;
 use super::outline::{Contours, Foot, Outline};
 use super::{Gradients, Options};
-use crate::complex::Facet;
-use crate::error::Result;
+use crate::complex::{Complex, Facet};
+use crate::error::{Remedy, Result};
 use crate::field::cpu::Cpu;
 use crate::field::{Boundaries, Field, Queries, Run};
+use crate::grid::memory::require_bytes;
 use crate::label::Label;
+use crate::plane::polygon_area;
+use crate::progress::Progress;
 use crate::section::Section;
 use crate::segments::Hint;
+
+/// Bytes of a point with its triangles and edges, as they are laid out for both cells beside it,
+/// and of each label there.
+const BYTES_PER_POINT: f64 = 700.0;
+const BYTES_PER_LABEL: f64 = 80.0;
 
 /// Nearer to a contour, relative to the box's diagonal, is on it.
 const ON_CONTOUR: f64 = 1e-9;
@@ -61,11 +69,19 @@ impl Nodes {
     /// Of the facets around some cells, that some sections make.
     ///
     /// # Errors
-    /// For a bad spacing, and CGAL's exceptions.
-    pub fn new(boundaries: &Boundaries, sections: &[Section], options: &Options) -> Result<Self> {
+    /// For a bad spacing, where they would not fit into memory, when it is cancelled, and CGAL's
+    /// exceptions.
+    pub fn new(
+        boundaries: &Boundaries,
+        sections: &[Section],
+        options: &Options,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let complex = boundaries.complex();
         options.check(complex.bounds())?;
-        let contours = Contours::new(sections);
+        let spacing = options.spacing(complex.bounds());
+        require_room(complex, spacing)?;
+        let contours = Contours::new(sections, options.gradients != Gradients::InPlane);
         let mut labels: Vec<Label> =
             complex.cells().values().flat_map(|c| &c.labels).copied().collect();
         labels.sort();
@@ -75,9 +91,11 @@ impl Nodes {
         let outlines = labels.par_iter().map(outline).collect();
         let diagonal = complex.bounds().diagonal();
         let sayings = Sayings { outlines, gradients: options.gradients, diagonal, boundaries };
-        let spacing = options.spacing(complex.bounds());
         let facet = |number: usize| match complex.facets().get(number as u32) {
-            Some(facet) => sayings.facet(facet, FacetMesh::new(complex, facet, spacing)?),
+            Some(facet) => {
+                progress.go_on()?;
+                sayings.facet(facet, FacetMesh::new(complex, facet, spacing)?)
+            }
             None => Ok(FacetNodes::default()),
         };
         let facets = (0..complex.facets().end()).into_par_iter().map(facet);
@@ -129,6 +147,22 @@ impl Nodes {
     }
 }
 
+/// # Errors
+/// Where triangles with edges of some length would not fit into memory.
+fn require_room(complex: &Complex, spacing: f64) -> Result<()> {
+    // Every point of a triangular lattice has so much of a facet.
+    let share = 0.75f64.sqrt() * spacing * spacing;
+    let bytes = |facet: &Facet| {
+        let inner = polygon_area(&facet.outline) / share;
+        let points = inner + facet.edges.len() as f64;
+        points * (BYTES_PER_POINT + BYTES_PER_LABEL * facet.labels.len() as f64)
+    };
+    let needed: f64 = complex.facets().values().map(bytes).sum();
+    require_bytes(needed as u64, Remedy::LargerSpacing, || {
+        format!("triangles with sides of {spacing} on {} facets", complex.facets().count())
+    })
+}
+
 impl Sayings<'_> {
     fn facet(&self, facet: &Facet, mesh: FacetMesh) -> Result<FacetNodes> {
         let cells = facet.cells.into_iter().flatten();
@@ -163,7 +197,7 @@ impl Sayings<'_> {
         let gradient = match self.gradients {
             Gradients::None => DVec3::ZERO,
             Gradients::Distance => side.sign() * (point - foot.at).normalize_or_zero(),
-            Gradients::Normals => foot.inward,
+            Gradients::InPlane | Gradients::Normals => foot.inward,
         };
         Node { value: side.sign() * foot.distance, gradient }
     }

@@ -136,8 +136,8 @@ struct Others {
 }
 
 impl Contours {
-    /// Those of some sections.
-    pub fn new(sections: &[Section]) -> Self {
+    /// Those of some sections; `leans` says whether normals lean out of the sections' planes.
+    pub fn new(sections: &[Section], leans: bool) -> Self {
         let chains: Vec<Chain> = sections
             .iter()
             .enumerate()
@@ -149,7 +149,7 @@ impl Contours {
         let max = ends().fold(DVec3::NEG_INFINITY, |max, &end| max.max(end));
         let near = NEAR * (max - min).length();
         let crossing = Crossing { sections, chains: &chains, others: &others, near };
-        let pieces = chains.iter().flat_map(|chain| chain.pieces(&crossing)).collect();
+        let pieces = chains.iter().flat_map(|chain| chain.pieces(&crossing, leans)).collect();
         Self { pieces }
     }
 }
@@ -256,8 +256,8 @@ impl Chain {
         start.lerp(end, along).normalize_or(start)
     }
 
-    /// Its pieces between vertices and crossings, with tilts.
-    fn pieces(&self, crossing: &Crossing) -> Vec<Piece> {
+    /// Its pieces between vertices and crossings, with tilts if it leans.
+    fn pieces(&self, crossing: &Crossing, leans: bool) -> Vec<Piece> {
         let normal = crossing.sections[self.section].plane().unit_normal();
         // Places along the chain, and the tilts that are known there.
         let (mut places, mut length) = (Vec::new(), 0.0);
@@ -281,7 +281,9 @@ impl Chain {
         ));
         let mut known: Vec<(f64, f64)> =
             places.iter().filter_map(|place| Some((place.0, place.3?))).collect();
-        if known.is_empty() {
+        if !leans {
+            known.clear();
+        } else if known.is_empty() {
             let lean = |place: &(f64, DVec3, DVec3, Option<f64>)| {
                 Some((place.0, crossing.lean(self, place.1, normal)?))
             };
@@ -459,7 +461,7 @@ mod tests {
 
     /// The worst angle, in degrees, by which normals at a sphere's contours are off.
     fn worst(sections: &[Section], points: impl Iterator<Item = DVec3>) -> f64 {
-        let outline = Outline::new(&Contours::new(sections), Label(1));
+        let outline = Outline::new(&Contours::new(sections, true), Label(1));
         let off = |point: DVec3| {
             let foot = outline.foot(point, &mut Hint::default()).unwrap();
             foot.inward.dot(-foot.at.normalize()).clamp(-1.0, 1.0).acos().to_degrees()

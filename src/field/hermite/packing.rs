@@ -15,6 +15,8 @@ use crate::field::places::{key, step};
 use crate::label::Label;
 use crate::plane::Bounds;
 
+/// A triangle is far from so many times its longest side on.
+const FAR: f32 = 8.0;
 /// Values of one label that differ by less than this part of the box's diagonal are the same.
 const ALIKE: f64 = 1e-6;
 
@@ -40,6 +42,8 @@ pub struct HermiteEdge {
 /// A triangle, counter-clockwise.
 #[derive(Debug, Clone, Copy)]
 pub struct HermiteTriangle {
+    /// Among the face's corners.
+    pub corners: [u32; 3],
     /// Among the face's edges: those opposite to its corners.
     pub edges: [u32; 3],
     /// 1 for an edge that runs counter-clockwise, else −1.
@@ -48,6 +52,10 @@ pub struct HermiteTriangle {
     pub nodes: [u32; 3],
     /// 1 / 4 A.
     pub quarter: f32,
+    /// A / 6.
+    pub sixth: f32,
+    /// The square of the distance from which on it counts as far.
+    pub far: f32,
 }
 
 /// A cell.
@@ -180,8 +188,16 @@ impl<'a> Packing<'a> {
             for node in nodes {
                 self.areas[node as usize] += doubled / 6.0;
             }
-            let quarter = (0.5 / doubled) as f32;
-            self.cell.triangles.push(HermiteTriangle { edges: opposite, signs, nodes, quarter });
+            let sides = opposite.map(|own| self.cell.edges[first_edge + own as usize].span_squared);
+            self.cell.triangles.push(HermiteTriangle {
+                corners: *corners,
+                edges: opposite,
+                signs,
+                nodes,
+                quarter: (0.5 / doubled) as f32,
+                sixth: (doubled / 12.0) as f32,
+                far: FAR * FAR * sides.into_iter().fold(0.0, f32::max),
+            });
         }
         self.cell.faces.push(HermiteFace {
             frame,
