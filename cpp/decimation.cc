@@ -113,9 +113,11 @@ struct State {
   Polyhedron mesh;
   std::vector<Quadric> quadrics;
   std::vector<uint32_t> names;
-  // How far it may come from its planes, root mean square, and how far it came.
+  // How far it may come from what it was made of, and how far it came, by the sum of its steps.
   std::vector<double> limits;
   std::vector<double> reached;
+  // The same for the two that come together next.
+  double next = 0;
   // The vertex that it became part of; itself where it is there.
   std::vector<uint32_t> into;
 
@@ -126,6 +128,40 @@ struct State {
   Quadric sum(Vertex v0, Vertex v1) const { return quadrics[v0] + quadrics[v1]; }
   double error(const Quadric& quadric, const Point& place) const {
     return quadric.at(place - base);
+  }
+  // How far the vertex comes that an edge becomes: as its ends have, and one step more. A step is
+  // how far they are from the triangles that come, and the middles of new edges from those that
+  // were.
+  template <typename Profile>
+  double far(const Profile& profile, const Point& place) const {
+    std::vector<Kernel::Triangle_3> before, after;
+    std::vector<Point> middles{place};
+    const auto& triangles = profile.triangles();
+    for (size_t i = 0; i < triangles.size(); ++i) {
+      const auto& corners = triangles[i];
+      const Point &p = mesh.point(corners.v0), &q = mesh.point(corners.v1),
+                  &r = mesh.point(corners.v2);
+      before.emplace_back(p, q, r);
+      if (i < at_edge(profile)) continue;
+      after.emplace_back(p, place, r);
+      middles.push_back(CGAL::midpoint(p, place));
+      middles.push_back(CGAL::midpoint(r, place));
+    }
+    double step = std::max(nearest(profile.p0(), after), nearest(profile.p1(), after));
+    for (const Point& middle : middles) step = std::max(step, nearest(middle, before));
+    return std::max(reached[profile.v0()], reached[profile.v1()]) + std::sqrt(step);
+  }
+  // The square of the distance to the nearest of some triangles.
+  static double nearest(const Point& point, const std::vector<Kernel::Triangle_3>& triangles) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& own : triangles) least = std::min(least, CGAL::squared_distance(point, own));
+    return least;
+  }
+  // CGAL lists the triangles at the edge first, then those that remain; the second corner is the
+  // one that moves.
+  template <typename Profile>
+  static size_t at_edge(const Profile& profile) {
+    return (profile.left_face_exists() ? 1 : 0) + (profile.right_face_exists() ? 1 : 0);
   }
   uint32_t there(uint32_t v) {
     while (into[v] != v) v = into[v] = into[into[v]];
@@ -177,17 +213,13 @@ struct Filter {
   template <typename Profile>
   bool is_too_far(const Profile& profile, const Point& place) const {
     const double limit = std::min(state->limits[profile.v0()], state->limits[profile.v1()]);
-    const Quadric sum = state->sum(profile.v0(), profile.v1());
-    return state->error(sum, place) > limit * limit * sum.area;
+    return std::isfinite(limit) && state->far(profile, place) > limit;
   }
 
-  // CGAL lists the triangles at the edge first, then those that remain; the second corner is the
-  // one that moves.
   template <typename Profile>
   bool turns_over(const Profile& profile, const Point& place) const {
     const auto& triangles = profile.triangles();
-    size_t first = (profile.left_face_exists() ? 1 : 0) + (profile.right_face_exists() ? 1 : 0);
-    for (size_t i = first; i < triangles.size(); ++i) {
+    for (size_t i = State::at_edge(profile); i < triangles.size(); ++i) {
       const Point& p = state->mesh.point(triangles[i].v0);
       const Point& q = state->mesh.point(triangles[i].v1);
       const Point& r = state->mesh.point(triangles[i].v2);
@@ -235,6 +267,11 @@ struct Visitor : SMS::Edge_collapse_visitor_base<Polyhedron> {
   explicit Visitor(State* own) : state(own) {}
 
   template <typename Profile>
+  void OnCollapsing(const Profile& profile, const Optional<Point>& place) {
+    state->next = place ? state->far(profile, *place) : 0;
+  }
+
+  template <typename Profile>
   void OnCollapsed(const Profile& profile, Vertex stays) {
     const Vertex v0 = profile.v0(), v1 = profile.v1();
     const Vertex goes = stays == v0 ? v1 : v0;
@@ -242,12 +279,10 @@ struct Visitor : SMS::Edge_collapse_visitor_base<Polyhedron> {
     state->quadrics[stays] = state->quadrics[v0] + state->quadrics[v1];
     state->limits[stays] = std::min(state->limits[v0], state->limits[v1]);
     if (state->is_named(goes)) state->names[stays] = state->names[goes];
-    const Quadric& sum = state->quadrics[stays];
-    const double far =
-        sum.area > 0 ? std::sqrt(state->error(sum, state->mesh.point(stays)) / sum.area) : 0;
     // Whatever moved came some way, if only by rounding: 0 says that nothing did.
     const double least = std::numeric_limits<double>::min();
-    state->reached[stays] = std::max({far, state->reached[v0], state->reached[v1], least});
+    state->reached[stays] = std::max({state->next, state->reached[v0], state->reached[v1], least});
+    state->next = 0;
   }
 };
 
@@ -269,9 +304,11 @@ struct Untouched {
 };
 
 void read(State& state, rust::Slice<const double> points, rust::Slice<const uint32_t> triangles,
-          rust::Slice<const uint32_t> names, rust::Slice<const double> limits) {
+          rust::Slice<const uint32_t> names, rust::Slice<const double> limits,
+          rust::Slice<const double> reached) {
   const size_t count = points.size() / 3;
-  if (names.size() != count || limits.size() != count) throw std::out_of_range("vertex count");
+  if (names.size() != count || limits.size() != count || reached.size() != count)
+    throw std::out_of_range("vertex count");
   for (size_t i = 0; i < count; ++i) {
     state.mesh.add_vertex(Point(points[3 * i], points[3 * i + 1], points[3 * i + 2]));
     state.into.push_back(static_cast<uint32_t>(i));
@@ -279,7 +316,7 @@ void read(State& state, rust::Slice<const double> points, rust::Slice<const uint
   if (count > 0) state.base = state.mesh.point(Vertex(0)) - CGAL::ORIGIN;
   state.names.assign(names.begin(), names.end());
   state.limits.assign(limits.begin(), limits.end());
-  state.reached.assign(count, 0);
+  state.reached.assign(reached.begin(), reached.end());
   state.quadrics.resize(count);
   for (size_t i = 0; i + 2 < triangles.size(); i += 3) {
     const uint32_t corners[3] = {triangles[i], triangles[i + 1], triangles[i + 2]};
@@ -319,9 +356,9 @@ Simplified to_simplified(State& state) {
 
 Simplified simplify(rust::Slice<const double> points, rust::Slice<const uint32_t> triangles,
                     rust::Slice<const uint32_t> names, rust::Slice<const double> limits,
-                    std::size_t wanted, const Watch& watch) {
+                    rust::Slice<const double> reached, std::size_t wanted, const Watch& watch) {
   State state;
-  read(state, points, triangles, names, limits);
+  read(state, points, triangles, names, limits, reached);
   size_t steps = 0;
   Visitor visitor(&state);
   SMS::edge_collapse(state.mesh, Stop{&state, wanted, &watch, &steps},

@@ -9,8 +9,8 @@ mod bridge {
         points: Vec<f64>,
         /// For every vertex its name, or `u32::MAX`.
         names: Vec<u32>,
-        /// For every vertex how far it is from the planes of what became part of it; 0 where
-        /// nothing did.
+        /// For every vertex how far it is from what became part of it, by the sum of steps; 0
+        /// where nothing did.
         reached: Vec<f64>,
         /// For every vertex that was given the one that it is part of.
         places: Vec<u32>,
@@ -32,13 +32,14 @@ mod bridge {
         /// Collapses edges, the least quadric error first, until no more than `wanted` triangles
         /// are left, no edge can be collapsed, or nobody wants more. Vertices with a name (not
         /// `u32::MAX`) stay, as do edges between two; no new edge joins two names. A vertex comes
-        /// no farther from the planes of what becomes part of it, by the root of the mean square,
-        /// than the least of its limits. An error where the triangles are no manifold.
+        /// no farther from what becomes part of it, beginning with how far it has come, than the
+        /// least of its limits. An error where the triangles are no manifold.
         unsafe fn simplify<'a>(
             points: &[f64],
             triangles: &[u32],
             names: &[u32],
             limits: &[f64],
+            reached: &[f64],
             wanted: usize,
             watch: &Watch<'a>,
         ) -> Result<Simplified>;
@@ -67,10 +68,10 @@ pub fn simplify(
     points: &[f64],
     triangles: &[u32],
     names: &[u32],
-    limits: &[f64],
+    [limits, reached]: [&[f64]; 2],
     wanted: usize,
     watch: &Watch,
 ) -> std::result::Result<Simplified, cxx::Exception> {
     // SAFETY: the watch is asked during the call alone.
-    unsafe { bridge::simplify(points, triangles, names, limits, wanted, watch) }
+    unsafe { bridge::simplify(points, triangles, names, limits, reached, wanted, watch) }
 }

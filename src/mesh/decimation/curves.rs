@@ -174,11 +174,13 @@ impl<'a> Work<'a> {
     /// Makes a vertex part of the nearer of its neighbours on the curve, or else of the other;
     /// whether it can be.
     fn remove(&mut self, vertex: u32) -> bool {
-        let distance = self.distance(vertex);
-        if distance > self.reduced.limits[vertex as usize] {
+        let [mut near, mut far] = self.ends(vertex);
+        let Reduced { limits, reached, .. } = &*self.reduced;
+        let so_far = [vertex, near, far].map(|own| reached[own as usize]);
+        let distance = so_far.into_iter().fold(0.0, f64::max) + self.distance(vertex);
+        if distance > limits[vertex as usize] {
             return false;
         }
-        let [mut near, mut far] = self.ends(vertex);
         let length = |end: u32| self.place(vertex).distance(self.place(end));
         if length(far) < length(near) {
             (near, far) = (far, near);

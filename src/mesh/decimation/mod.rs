@@ -66,13 +66,15 @@ const SHORT: f64 = 1.01;
 const LEVEL: f64 = 0.25;
 /// When more than this remains nothing more is to be had.
 const STUCK: f64 = 0.98;
-/// Vertices may be so far from the planes around them, against the limit of distance: what is
-/// between them is farther.
-const WITHIN: f64 = 0.5;
-/// Where something is wrong vertices may be so far from their planes, against how far they were.
+/// The sum of a vertex's steps may be so long, against the limit of distance: what is between
+/// vertices is farther.
+const WITHIN: f64 = 0.8;
+/// Where something is wrong the sum may be so long, against what it was.
 const STRICTER: f64 = 0.25;
-/// Tries, of which the last one leaves what is wrong as it was.
-const TRIES: usize = 8;
+/// Tries.
+const TRIES: usize = 10;
+/// After so many tries limits are lower everywhere, too.
+const LOCAL: usize = 4;
 
 /// A network with fewer triangles. The edges that are given by their vertices become no surface
 /// between others: they are simplified as curves are where surfaces meet.
@@ -98,7 +100,10 @@ pub fn decimate(
         if wrong.is_empty() {
             return task.outcome(made.into_mesh());
         }
-        if !made.limit(&mut limits, &wrong, if left > 1 { STRICTER } else { 0.0 }) {
+        if left < TRIES - LOCAL {
+            limits.iter_mut().for_each(|limit| *limit *= 0.5);
+        }
+        if !made.limit(&mut limits, &wrong, STRICTER) {
             break;
         }
     }
@@ -139,7 +144,7 @@ struct Task<'a> {
     decimation: Decimation,
     /// Triangles.
     wanted: usize,
-    /// How far vertices may be from planes that were around them.
+    /// How far vertices may be from what they were made of.
     limit: f64,
     /// Pairs of triangles that cross each other.
     crossings: usize,
@@ -195,7 +200,7 @@ impl<'a> Task<'a> {
         let corners = |mesh: &Mesh, triangles: Vec<u32>| {
             triangles.into_iter().flat_map(|own| mesh.triangles[own as usize]).collect::<Vec<_>>()
         };
-        let mut wrong = Vec::new();
+        let mut wrong: Vec<u32> = Vec::new();
         let found = crossings(&mesh.vertices, &mesh.triangles, &[])?;
         if found.len() > self.crossings {
             wrong.extend(corners(mesh, found.into_flattened()));

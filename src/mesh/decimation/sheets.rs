@@ -58,8 +58,9 @@ impl Reduced {
         let places = sheets.vertices.iter().map(|&vertex| self.mesh.vertices[vertex as usize]);
         let points = flat(&places.collect::<Vec<DVec3>>());
         let triangles = sheets.triangles.as_flattened();
-        let (limits, watch) = (own(&self.limits), Watch(progress));
-        simplify(&points, triangles, &sheets.names, &limits, wanted, &watch)
+        let (limits, reached) = (own(&self.limits), own(&self.reached));
+        let far = [&limits[..], &reached];
+        simplify(&points, triangles, &sheets.names, far, wanted, &Watch(progress))
             .map_err(|exception| Error::library("decimation", &exception))
     }
 
