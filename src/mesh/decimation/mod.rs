@@ -5,10 +5,11 @@
 //! curve keep its vertices ([`curves`]). What lies between them is a manifold, in which CGAL
 //! collapses edges ([`sheets`]). This alternates, from fine to coarse.
 //!
-//! What holds: for every label the boundary stays closed, with as many pieces and handles. No
-//! more triangles cross each other than did before. With a limit of distance no point of the
-//! surface as it was is farther than that from the result, for certain, and the result is looked
-//! at as densely as it had triangles. Where any of this fails less is collapsed in another try.
+//! What holds: for every label the boundary stays closed and outward, with as many pieces and
+//! handles. No more triangles cross each other than did before. With a limit of distance no point
+//! of the surface as it was is farther than that from the result, for certain, and the result is
+//! looked at as densely as there were triangles. Where any of this fails less is collapsed in
+//! another try; after the last one everything stays as it was.
 
 mod curves;
 mod deviation;
@@ -20,6 +21,7 @@ use serde::Serialize;
 use super::Mesh;
 use super::facts::crossings;
 use super::nearest::Nearest;
+use super::network::Network;
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 
@@ -62,7 +64,8 @@ pub struct Outcome {
 
 /// Of what was wanted, this much more is worth no word.
 const SHORT: f64 = 1.01;
-/// Triangles that remain where curves and what is between them were made simpler once.
+/// The share of triangles that remains when curves and what is between them were made simpler
+/// once.
 const LEVEL: f64 = 0.25;
 /// When more than this remains nothing more is to be had.
 const STUCK: f64 = 0.98;
@@ -73,8 +76,10 @@ const WITHIN: f64 = 0.8;
 const STRICTER: f64 = 0.25;
 /// Tries.
 const TRIES: usize = 10;
-/// After so many tries limits are lower everywhere, too.
-const LOCAL: usize = 4;
+/// In so many of the last ones limits are lower everywhere, too.
+const LAST: usize = 5;
+/// By this factor.
+const LOWER: f64 = 0.5;
 
 /// A network with fewer triangles. The edges that are given by their vertices become no surface
 /// between others: they are simplified as curves are where surfaces meet.
@@ -98,14 +103,12 @@ pub fn decimate(
         let made = task.reduced(&limits, progress)?;
         let wrong = task.wrong(&made)?;
         if wrong.is_empty() {
-            return task.outcome(made.into_mesh());
+            return task.outcome(Network::from(made.mesh).into_mesh());
         }
-        if left < TRIES - LOCAL {
-            limits.iter_mut().for_each(|limit| *limit *= 0.5);
+        if left <= LAST {
+            limits.iter_mut().for_each(|limit| *limit *= LOWER);
         }
-        if !made.limit(&mut limits, &wrong, STRICTER) {
-            break;
-        }
+        made.limit(&mut limits, &wrong, STRICTER);
     }
     task.outcome(mesh.clone())
 }
@@ -117,7 +120,7 @@ impl Outcome {
         let wanted = wanted.filter(|&wanted| triangles as f64 > SHORT * wanted as f64)?;
         Some(format!(
             "of {before} triangles {triangles} are left, not {wanted}: with fewer, parts would \
-             hang together in another way, or surfaces would cross"
+             hang together in another way, surfaces would cross or triangles turn over"
         ))
     }
 }
@@ -148,6 +151,8 @@ struct Task<'a> {
     limit: f64,
     /// Pairs of triangles that cross each other.
     crossings: usize,
+    /// Whether all surfaces are closed and have their inside behind them.
+    is_sound: bool,
     /// The surface as it was, where distances from it count.
     nearest: Option<Nearest>,
 }
@@ -155,6 +160,7 @@ struct Task<'a> {
 impl<'a> Task<'a> {
     fn new(mesh: &'a Mesh, kept: &'a [[u32; 2]], decimation: Decimation) -> Result<Self> {
         let crossings = crossings(&mesh.vertices, &mesh.triangles, &[])?.len();
+        let is_sound = mesh.faces_outward()?;
         let has_area = !mesh.triangles.is_empty();
         let (wanted, limit, nearest) = match decimation {
             Decimation::Share(share) => {
@@ -164,7 +170,7 @@ impl<'a> Task<'a> {
                 (0, WITHIN * distance, has_area.then(|| Nearest::on_mesh(mesh)).transpose()?)
             }
         };
-        Ok(Self { mesh, kept, decimation, wanted, limit, crossings, nearest })
+        Ok(Self { mesh, kept, decimation, wanted, limit, crossings, is_sound, nearest })
     }
 
     fn count(&self) -> usize {
@@ -178,7 +184,7 @@ impl<'a> Task<'a> {
             progress.go_on()?;
             let was = made.mesh.triangles.len();
             if was <= self.wanted {
-                return Ok(made);
+                break;
             }
             let wanted = self.wanted.max((LEVEL * was as f64).ceil() as usize);
             // A curve has as many edges as the root of what surfaces have triangles.
@@ -186,9 +192,11 @@ impl<'a> Task<'a> {
             made.reduce_sheets(wanted, progress)?;
             let is = made.mesh.triangles.len();
             if !made.torn.is_empty() || is as f64 > STUCK * was as f64 {
-                return Ok(made);
+                break;
             }
         }
+        made.untie();
+        Ok(made)
     }
 
     /// The vertices around which something is not as it must be.
@@ -204,6 +212,9 @@ impl<'a> Task<'a> {
         let found = crossings(&mesh.vertices, &mesh.triangles, &[])?;
         if found.len() > self.crossings {
             wrong.extend(corners(mesh, found.into_flattened()));
+        }
+        if self.is_sound {
+            wrong.extend(corners(mesh, turned_inside_out(mesh)?));
         }
         if let (Decimation::Distance(distance), Some(nearest)) = (self.decimation, &self.nearest) {
             let dense = self.mean_edge();
@@ -240,3 +251,19 @@ impl<'a> Task<'a> {
         Ok(Decimated { mesh, outcome })
     }
 }
+
+/// The triangles of labels whose surface is open or has its inside in front of it.
+fn turned_inside_out(mesh: &Mesh) -> Result<Vec<u32>> {
+    let mut found = Vec::new();
+    for label in mesh.labels() {
+        if !mesh.surface(label).facts(false)?.outward {
+            let sides = mesh.sides.iter().enumerate();
+            let own = sides.filter(|(_, sides)| sides.contains(&label));
+            found.extend(own.map(|(triangle, _)| triangle as u32));
+        }
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests;

@@ -50,25 +50,23 @@ impl Reduced {
         self.kept = self.kept.iter().map(renamed).collect();
     }
 
-    /// Lowers the limits of what became part of some vertices to a part of how far these are;
-    /// whether any are lower then.
-    pub fn limit(&self, limits: &mut [f64], wrong: &[u32], part: f64) -> bool {
+    /// Lowers the limits of what became part of some vertices to a part of how far these are.
+    pub fn limit(&self, limits: &mut [f64], wrong: &[u32], part: f64) {
         let mut is_wrong = vec![false; self.mesh.vertices.len()];
         wrong.iter().for_each(|&vertex| is_wrong[vertex as usize] = true);
-        let mut is_lower = false;
         for (limit, &place) in limits.iter_mut().zip(&self.places) {
-            let lower = part * self.reached[place as usize];
-            if is_wrong[place as usize] && lower < *limit {
-                (*limit, is_lower) = (lower, true);
+            if is_wrong[place as usize] {
+                *limit = limit.min(part * self.reached[place as usize]);
             }
         }
-        is_lower
     }
 
-    /// The network, in which no edge has two sheets of one label for itself alone.
-    pub fn into_mesh(self) -> Mesh {
-        let mut network = Network::from(self.mesh);
+    /// Divides edges that two sheets of one label share with both their ends.
+    pub fn untie(&mut self) {
+        let mut network = Network::from(std::mem::take(&mut self.mesh));
         network.untie();
-        network.into_mesh()
+        self.mesh = network.mesh;
+        self.limits.resize(self.mesh.vertices.len(), f64::INFINITY);
+        self.reached.resize(self.mesh.vertices.len(), 0.0);
     }
 }
