@@ -124,7 +124,8 @@ fn labels_that_touch_still_fit() {
         let Decimated { mesh, outcome } = decimated(&halves, decimation);
         assert_eq!(topology(&mesh), was, "{decimation:?}");
         assert!(outcome.triangles < halves.triangles.len() / 4, "{outcome:?}");
-        assert!(2 * lines(&mesh) < lines(&halves), "{decimation:?}");
+        let (lines, were) = (lines(&mesh), lines(&halves));
+        assert!(4 * lines < 3 * were, "{decimation:?}: {lines} of {were}");
         assert!(outcome.moved < 0.15, "{outcome:?}");
     }
 }
