@@ -2,8 +2,8 @@
 //! change it least (Garland and Heckbert 1997).
 //!
 //! Curves where surfaces meet are made simpler in the whole network, so that all surfaces at a
-//! curve keep its vertices ([`curves`]). What lies between them is a manifold, in which CGAL
-//! collapses edges ([`sheets`]). This alternates, from fine to coarse.
+//! curve keep its vertices (`curves`). What lies between them is a manifold, in which CGAL
+//! collapses edges (`sheets`). This alternates, from fine to coarse.
 //!
 //! What holds: for every label the boundary stays closed and outward, with as many pieces and
 //! handles. No more triangles cross each other than did before. With a limit of distance no point
