@@ -70,7 +70,8 @@ fn methods() -> [(&'static str, Method); 4] {
 fn measure(file: &Path, name: &str, method: Method) -> Result<()> {
     let all = read_sections(file, &Rules::default())?;
     let Some(bounds) = all.space() else { return Ok(()) };
-    let options = Options { method, resolution: RESOLUTION, bounds: Some(bounds) };
+    let options =
+        Options { method, resolution: RESOLUTION, bounds: Some(bounds), ..Options::default() };
     let mut model = Model::new(options);
     let mut context = Context::default();
     let ids = model.apply(Change::Add(all.clone()), &mut context)?;
@@ -177,7 +178,12 @@ fn follow(model: &Model, patches: &mut Patches) -> f64 {
 /// The seconds that each of a file's sections takes when they come one after the other.
 fn one_by_one(file: &Path, method: Method) -> Result<Vec<f64>> {
     let all = read_sections(file, &Rules::default())?;
-    let mut model = Model::new(Options { method, resolution: RESOLUTION, bounds: all.space() });
+    let mut model = Model::new(Options {
+        method,
+        resolution: RESOLUTION,
+        bounds: all.space(),
+        ..Options::default()
+    });
     let mut seconds = Vec::new();
     for section in &all.sections {
         let one = Sections { sections: vec![section.clone()], ..all.clone() };

@@ -29,7 +29,12 @@ fn main() -> Result<()> {
     let all = read_sections(Path::new(file), &rules)?;
     let bounds = all.space().ok_or_else(|| Error::Option("there is no contour".to_owned()))?;
     // In a box that stays as it is, a section concerns only what is near.
-    let options = Options { method, resolution: Resolution::Voxels(voxels), bounds: Some(bounds) };
+    let options = Options {
+        method,
+        resolution: Resolution::Voxels(voxels),
+        bounds: Some(bounds),
+        ..Options::default()
+    };
     let (mut model, mut patches) = (Model::new(options), Patches::default());
     print!("{:<24}", "seconds");
     STAGES.iter().for_each(|stage| print!("{stage:>12}"));

@@ -17,6 +17,8 @@ use crate::grid::sampling::{Margin, Starts, sample, sample_again};
 use crate::label::Label;
 use crate::living::{self, Living};
 use crate::mesh::Mesh;
+use crate::mesh::caps::CAP_TOLERANCE;
+use crate::mesh::decimation::{Decimation, Outcome, decimate};
 use crate::mesh::delaunay::delaunay;
 use crate::mesh::dual::{KeptBlocks, dual_again};
 use crate::mesh::fairing::{FairingOptions, fair};
@@ -86,11 +88,31 @@ pub struct Derived {
     pub device: String,
     /// What else an exact reconstruction says.
     pub exact: Option<Details>,
+    /// What making the mesh simpler did.
+    pub decimation: Option<Outcome>,
     /// The mesh leaf by leaf, for the next one.
     blocks: KeptBlocks,
 }
 
 impl Derived {
+    /// Makes the mesh simpler; where the box is open its caps stay on its faces.
+    fn decimate(
+        &mut self,
+        decimation: Decimation,
+        stages: &mut Stages,
+        progress: &dyn Progress,
+    ) -> Result<()> {
+        let tolerance = CAP_TOLERANCE * self.samples.lattice.voxel;
+        let rim = self.samples.open.map(|bounds| self.mesh.rim(bounds, tolerance));
+        stages.run("decimation", |counts| {
+            let made = decimate(&self.mesh, &rim.unwrap_or_default(), decimation, progress)?;
+            counts.insert("triangles before".into(), made.outcome.before as u64);
+            counts.insert("triangles".into(), made.outcome.triangles as u64);
+            (self.mesh, self.decimation) = (made.mesh, Some(made.outcome));
+            Ok(())
+        })
+    }
+
     /// The samples and what is kept of their mesh, their leaves named as those of a lattice;
     /// `None` where they have none in common, or nothing is kept.
     fn on(&self, lattice: Lattice) -> Option<(Cow<'_, Samples>, Cow<'_, KeptBlocks>)> {
@@ -197,13 +219,17 @@ pub(crate) fn derive(
     // same then, to the last bit, whatever was before.
     let keeps = options.bounds.is_some() || frame.is_fixed;
     let ground = Ground { sections: &sections.sections, frame, keeps, before };
-    match &options.method {
+    let mut derived = match &options.method {
         Method::Variational(method) => ground.solve(method, lasting, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
         Method::Hermite(method) => ground.blend(method, &mut lasting.evaluator, stages, progress),
         Method::Stack(method) => ground.interpolate(method, stages, progress),
         Method::Skeleton(method) => ground.build(method, &mut lasting.surfaces, stages, progress),
+    }?;
+    if let Some(decimation) = options.decimation {
+        derived.decimate(decimation, stages, progress)?;
     }
+    Ok(derived)
 }
 
 impl Ground<'_> {
@@ -228,7 +254,7 @@ impl Ground<'_> {
         })?;
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
-        Ok(Derived { complex: None, samples, mesh, device, exact: None, blocks })
+        Ok(Derived { complex: None, samples, mesh, device, exact: None, decimation: None, blocks })
     }
 
     /// Evaluates the mean-value field in the cells between the sections.
@@ -295,7 +321,15 @@ impl Ground<'_> {
         living.keep(kept, completion, shares, &changed);
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
-        Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None, blocks })
+        Ok(Derived {
+            complex: Some(complex),
+            samples,
+            mesh,
+            device,
+            exact: None,
+            decimation: None,
+            blocks,
+        })
     }
 
     /// Interpolates distances and their gradients in the cells between the sections.
@@ -366,7 +400,7 @@ impl Ground<'_> {
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
         let device = format!("cpu (threads: {})", rayon::current_num_threads());
-        Ok(Derived { complex: None, samples, mesh, device, exact: None, blocks })
+        Ok(Derived { complex: None, samples, mesh, device, exact: None, decimation: None, blocks })
     }
 
     /// Cuts samples off where the solid ends.
@@ -440,7 +474,15 @@ impl Ground<'_> {
         }
         let (device, exact) = ("exact arithmetic".to_owned(), Some(made.details));
         let blocks = KeptBlocks::default();
-        Ok(Derived { complex: None, samples, mesh: made.mesh, device, exact, blocks })
+        Ok(Derived {
+            complex: None,
+            samples,
+            mesh: made.mesh,
+            device,
+            exact,
+            decimation: None,
+            blocks,
+        })
     }
 
     /// The surface of samples, and what is kept of it.

@@ -14,6 +14,7 @@ pub use crate::derived::Derived;
 use crate::derived::{Lasting, derive};
 use crate::error::{Error, Result};
 use crate::grid::lattice::Resolution;
+use crate::mesh::decimation::Decimation;
 use crate::method::{Caps, Mesher, Method};
 use crate::plane::Bounds;
 use crate::report::Report;
@@ -38,11 +39,15 @@ pub struct Options {
     /// that follows the sections if the size of voxels is given and the box is closed and has 64 of
     /// them.
     pub bounds: Option<Bounds>,
+    /// How far the surface is made simpler, last of all. What is kept for the next change is
+    /// from before that.
+    pub decimation: Option<Decimation>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { method: Method::default(), resolution: Resolution::Voxels(256), bounds: None }
+        let (method, resolution) = (Method::default(), Resolution::Voxels(256));
+        Self { method, resolution, bounds: None, decimation: None }
     }
 }
 
@@ -215,8 +220,9 @@ impl Model {
         let Derived { mesh, samples, .. } = self.derived().ok_or_else(nothing)?;
         let Context { stages, progress, .. } = context;
         let checked = stages.run("check", |_| {
-            // Cheap for the delaunay mesher's fewer triangles, and promised.
-            let self_intersections = !matches!(self.options.method.mesher(), Some(Mesher::Dual));
+            // Cheap where triangles are few, as the delaunay mesher's, and promised.
+            let is_dual = matches!(self.options.method.mesher(), Some(Mesher::Dual));
+            let self_intersections = !is_dual || self.options.decimation.is_some();
             let options = check::Options { open: self.open(), self_intersections };
             check(&self.sections.sections, mesh, samples, options, *progress)
         })?;

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::check::Check;
 use crate::ffi::measure::library_versions;
+use crate::mesh::decimation::Outcome;
 use crate::model::{Derived, Model};
 use crate::section::{Disagreement, Warning};
 use crate::skeleton::Details;
@@ -41,6 +42,9 @@ pub struct Report {
     /// What an exact reconstruction says besides.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<Details>,
+    /// What making the surface simpler did, when it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decimation: Option<Outcome>,
     /// What the result is worth.
     pub check: Check,
     /// What was doubtful about the sections, and then what is about the result.
@@ -62,9 +66,7 @@ impl Report {
     /// The report of a model that was derived and checked.
     pub(crate) fn new(model: &Model, derived: &Derived, check: Check, stages: &Stages) -> Self {
         let sections = model.sections();
-        let mut warnings = sections.warnings.clone();
-        warnings.extend(check.warnings(&sections.materials));
-        Self {
+        let mut report = Self {
             transect: "report",
             version: VERSION,
             program: format!("transect {}, {}", env!("CARGO_PKG_VERSION"), library_versions()),
@@ -77,13 +79,24 @@ impl Report {
             nodes: derived.samples.lattice.dims,
             voxel: derived.samples.lattice.voxel,
             exact: derived.exact.clone(),
+            decimation: derived.decimation,
             check,
-            warnings,
+            warnings: sections.warnings.clone(),
             left_out: sections.left_out.clone(),
             disagreements: sections.disagreements(),
             stages: stages.stages.clone(),
             seconds: stages.seconds(),
             peak_memory: stages.peak_memory(),
-        }
+        };
+        let found = report.found();
+        report.warnings.extend(found);
+        report
+    }
+
+    /// What a reader should be warned of about the result.
+    pub fn found(&self) -> Vec<Warning> {
+        let short = self.decimation.and_then(|outcome| outcome.shortfall());
+        let short = short.map(|what| Warning { section: String::new(), what });
+        self.check.warnings(&self.materials).into_iter().chain(short).collect()
     }
 }

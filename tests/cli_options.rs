@@ -88,6 +88,63 @@ fn facets_are_the_delaunay_meshers_own() {
 }
 
 #[test]
+fn surfaces_are_decimated_whatever_made_them() {
+    let folder = folder();
+    let all = [
+        &["--method", "variational"][..],
+        &["--method", "mvc"],
+        &["--method", "skeleton", "--fair"],
+        &["--mesher", "delaunay"],
+        &["--box", "unknown", "--caps", "flat"],
+    ];
+    for method in all {
+        let counts_of = |more: &[&str]| {
+            let path = folder.path().join("report.json");
+            let own = ["--quiet", "--report", path.to_str().expect("a path in UTF-8")];
+            let mesh = folder.path().join("mesh.ply");
+            assert_done(&reconstruct_small("organs.csl", &mesh, &[&own, method, more].concat()));
+            assert!(is_closed(&mesh), "{method:?} {more:?}");
+            let report = json(&path);
+            let facts = |label: &Value| [&label["components"], &label["genus"]].map(Value::as_i64);
+            let labels = report["check"]["labels"].as_array().expect("labels");
+            let labels: Vec<_> = labels.iter().map(facts).collect();
+            let counts = counts(&report, "decimation");
+            let count = |name: &str| counts[name].as_u64().expect("a count");
+            (count("triangles before"), count("triangles"), labels, report["decimation"].clone())
+        };
+        let (before, same, labels, _) = counts_of(&["--decimate", "100%"]);
+        assert_eq!(before, same, "{method:?}");
+        let (_, left, after, _) = counts_of(&["--decimate", "50%"]);
+        assert!(left <= before / 2 + 1, "{method:?}: {left} of {before}");
+        assert_eq!(labels, after, "{method:?}");
+        let (_, left, after, outcome) = counts_of(&["--decimate", "0.05"]);
+        assert!(left < before, "{method:?}");
+        assert_eq!(labels, after, "{method:?}");
+        let moved = outcome["moved"].as_f64().expect("a number");
+        assert!(moved > 0.0 && moved <= 0.05, "{method:?}: {moved}");
+    }
+}
+
+#[test]
+fn what_decimation_cannot_reach_it_says() {
+    let folder = folder();
+    let mesh = folder.path().join("mesh.ply");
+    let output = reconstruct_small("organs.csl", &mesh, &["--decimate", "0.01%"]);
+    assert_done(&output);
+    assert!(stderr(&output).contains("triangles turn over"), "{}", stderr(&output));
+    assert!(is_closed(&mesh));
+    for senseless in ["0", "-1", "nan", "inf", "x", "%", "0%", "101%", "1%%", ""] {
+        let option = format!("--decimate={senseless}");
+        let output = reconstruct_small("organs.csl", &mesh, &[&option]);
+        assert_eq!(output.status.code(), Some(2), "{senseless}");
+    }
+    let exact = folder.path().join("exact.json");
+    let exact = exact.to_str().expect("a path in UTF-8");
+    let more = ["--method", "skeleton", "--exact", exact, "--decimate", "50%"];
+    assert_refused(&reconstruct_small("organs.csl", &mesh, &more), &["--decimate", "--exact"]);
+}
+
+#[test]
 fn in_an_open_box_flat_caps_are_made_on_request() {
     let folder = folder();
     let report = |name: &str, more: &[&str]| {

@@ -49,7 +49,7 @@ fn of_ball(axis: usize, offset: f64) -> Section {
 }
 
 fn model(method: Method) -> Model {
-    Model::new(Options { method, resolution: Resolution::VoxelSize(VOXEL), bounds: None })
+    Model::new(Options { method, resolution: Resolution::VoxelSize(VOXEL), ..Options::default() })
 }
 
 fn add(model: &mut Model, sections: &[Section]) -> (Vec<SectionId>, Context<'static>) {
@@ -113,7 +113,7 @@ fn the_mean_value_field_is_evaluated_where_the_box_grew() {
     let sections: Vec<Section> = (0..3).flat_map(across).collect();
     // Most leaves are in inner cells alone.
     let resolution = Resolution::VoxelSize(VOXEL / 4.0);
-    let mut living = Model::new(Options { method, resolution, bounds: None });
+    let mut living = Model::new(Options { method, resolution, ..Options::default() });
     let (_, first) = add(&mut living, &sections);
     // A crumb beside the ball makes the box larger, and touches no cell that the ball is in.
     let crumb = {

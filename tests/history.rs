@@ -86,7 +86,7 @@ fn section(random: &mut Random, number: usize, last: Option<Plane>) -> Section {
 }
 
 fn model(method: Method, (resolution, bounds): Space) -> Model {
-    Model::new(Options { method, resolution, bounds })
+    Model::new(Options { method, resolution, bounds, ..Options::default() })
 }
 
 fn apply(model: &mut Model, change: Change) -> transect::Result<Vec<SectionId>> {

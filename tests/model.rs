@@ -245,7 +245,12 @@ const BOX: Bounds = Bounds { min: DVec3::splat(-1.3), max: DVec3::splat(1.3) };
 
 /// A model in a box of its own.
 fn boxed(method: Method, voxels: u32) -> Model {
-    Model::new(Options { method, resolution: Resolution::Voxels(voxels), bounds: Some(BOX) })
+    Model::new(Options {
+        method,
+        resolution: Resolution::Voxels(voxels),
+        bounds: Some(BOX),
+        ..Options::default()
+    })
 }
 
 /// A model of the mean-value field in a box of its own.

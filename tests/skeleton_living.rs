@@ -65,7 +65,7 @@ fn sections(sections: &[Section]) -> Sections {
 
 fn model(bounds: Option<Bounds>) -> Model {
     let method = Method::Skeleton(Skeleton::default());
-    Model::new(Options { method, resolution: Resolution::Voxels(16), bounds })
+    Model::new(Options { method, resolution: Resolution::Voxels(16), bounds, ..Options::default() })
 }
 
 /// The numbers of new sections, and in how many cells the surface was computed.

@@ -122,7 +122,8 @@ fn one_more_frame_of_a_sweep_costs_less_than_all() {
     let mvc = Method::MeanValue(MeanValue { smooth: 0.0, ..MeanValue::default() });
     for (method, what) in [(mvc, "evaluations"), (Method::default(), "unknowns")] {
         let resolution = Resolution::Voxels(128);
-        let mut model = Model::new(Options { method, resolution, bounds: all.space() });
+        let mut model =
+            Model::new(Options { method, resolution, bounds: all.space(), ..Options::default() });
         let mut add = |sections: Sections| {
             let mut context = Context::default();
             model.apply(Change::Add(sections), &mut context).expect("it reconstructs");

@@ -15,6 +15,7 @@ use crate::field::hermite::Gradients;
 use crate::grid::lattice::Resolution;
 use crate::io::read_all;
 use crate::label::Label;
+use crate::mesh::decimation::Decimation;
 use crate::mesh::delaunay;
 use crate::method::{Caps, Mesher};
 use crate::model;
@@ -57,6 +58,9 @@ pub struct ReconstructArguments {
     pub output: Vec<PathBuf>,
     #[command(flatten)]
     pub method: MethodArguments,
+    /// Make the surface simpler, last of all: until 10% of its triangles are left, or, with a number that has no %, as far as it moves by no more than that in world units
+    #[arg(long, value_name = "SHARE%|DISTANCE", value_parser = decimation)]
+    pub decimate: Option<Decimation>,
     #[command(flatten)]
     pub threads: ThreadsArgument,
     /// Grids of a .vdb file, separated by commas: surface, density, label, surface_<label>, indicator_<label>, evidence, margin; * for every label
@@ -504,6 +508,20 @@ fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("a positive number is needed".to_owned()),
+    }
+}
+
+/// A share of triangles has a `%`, a distance has not.
+fn decimation(text: &str) -> Result<Decimation, String> {
+    let needed = "a share of triangles above 0% and up to 100%, as 10%, or a positive distance in \
+                  world units is needed";
+    let number = |text: &str| positive(text).map_err(|_| needed.to_owned());
+    match text.strip_suffix('%') {
+        Some(share) => match number(share.trim_end())? {
+            share if share <= 100.0 => Ok(Decimation::Share(share / 100.0)),
+            _ => Err(needed.to_owned()),
+        },
+        None => number(text).map(Decimation::Distance),
     }
 }
 

@@ -69,7 +69,7 @@ impl<'a> Online<'a> {
         let OnlineArguments { bounds, reading, emit, emit_kind, .. } = arguments;
         let (method, resolution) =
             (method(&arguments.method, false)?, arguments.method.grid.resolution());
-        let options = Options { method, resolution, bounds: *bounds };
+        let options = Options { method, resolution, bounds: *bounds, ..Options::default() };
         let targets = arguments.output.iter().map(|path| Target::new(path));
         let targets = targets.collect::<Result<Vec<_>>>()?;
         let grids = arguments.grids.iter().map(|name| name.trim().parse());

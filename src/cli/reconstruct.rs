@@ -24,7 +24,9 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
     let resolution = arguments.method.grid.resolution();
     let method = method(&arguments.method, arguments.exact.is_some())?;
-    let options = Options { method, resolution, bounds: None };
+    let decimation = arguments.decimate;
+    require_rounded(arguments)?;
+    let options = Options { method, resolution, bounds: None, decimation };
     require_picture(&arguments.picture, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
     super::limit_threads(arguments.threads.count)?;
@@ -73,7 +75,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     watcher.finish();
     outputs.commit()?;
     if !arguments.quiet {
-        print_found(&report.check.warnings(&report.materials));
+        print_found(&report.found());
         table::print(&report);
     }
     Ok(())
@@ -88,6 +90,16 @@ fn require_exact(details: &Details) -> Result<()> {
     Err(Error::Option(format!(
         "{cells} cells hold more partial sections than can be done exactly: leave --exact out"
     )))
+}
+
+/// Vertices that move have no exact coordinates.
+fn require_rounded(arguments: &ReconstructArguments) -> Result<()> {
+    if arguments.decimate.is_some() && arguments.exact.is_some() {
+        let what =
+            "--decimate moves vertices away from their exact places: leave it or --exact out";
+        return Err(Error::Option(what.to_owned()));
+    }
+    Ok(())
 }
 
 /// Options of pictures without any are a mistake.

@@ -181,7 +181,7 @@ fn model_options(options: &Options) -> model::Options {
             ..Variational::default()
         }),
     };
-    model::Options { method, resolution, bounds: None }
+    model::Options { method, resolution, ..model::Options::default() }
 }
 
 fn derived(model: &Model) -> Result<&Derived> {

@@ -3,6 +3,7 @@
 
 #[cfg_attr(not(test), allow(dead_code, reason = "tests alone ask whether places are right"))]
 pub mod complex;
+pub mod decimation;
 pub mod delaunay;
 pub mod fairing;
 pub mod measure;

@@ -3,6 +3,8 @@
 use rayon::prelude::*;
 
 use super::Mesh;
+use super::sheets::Side;
+use super::surface::sorted_sides;
 use crate::label::Label;
 use crate::plane::Bounds;
 
@@ -22,6 +24,20 @@ impl Mesh {
         let outside = self.sides[triangle][1] == Label::OUTSIDE;
         let face = || bounds.common_face(&self.corners(triangle), tolerance);
         outside.then(face).flatten()
+    }
+
+    /// The edges at which caps of a box end, or go on in another of its faces.
+    pub fn rim(&self, bounds: Bounds, tolerance: f64) -> Vec<[u32; 2]> {
+        let faces: Vec<Option<usize>> = (0..self.triangles.len())
+            .into_par_iter()
+            .map(|triangle| self.face_of_cap(triangle, bounds, tolerance))
+            .collect();
+        let is_rim = |same: &[Side]| {
+            same.windows(2).any(|pair| faces[pair[0].1 as usize] != faces[pair[1].1 as usize])
+        };
+        let sides = sorted_sides(&self.triangles);
+        let edges = sides.chunk_by(|one, other| one.0 == other.0);
+        edges.filter(|same| is_rim(same)).map(|same| same[0].0).collect()
     }
 
     /// The mesh without its caps and without the vertices that only these

@@ -2,12 +2,15 @@
 
 pub mod caps;
 pub mod cut;
+pub mod decimation;
 pub mod delaunay;
 pub mod dual;
 pub mod facts;
 pub mod fairing;
 pub mod nearest;
+mod network;
 pub mod patches;
+mod pieces;
 #[cfg(test)]
 pub(crate) mod shapes;
 mod sheets;
@@ -18,6 +21,7 @@ use glam::DVec3;
 use crate::label::Label;
 use crate::plane::Bounds;
 
+pub use decimation::decimate;
 pub use dual::dual;
 pub use fairing::fair;
 

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use rayon::prelude::*;
 
 use super::guard::Sides;
-use super::network::{Kind, Network};
+use crate::mesh::network::{Kind, Network};
 use crate::mesh::sheets::Side;
 use crate::plane::Plane;
 

@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::network::Network;
 use crate::error::Result;
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::mesh::facts::crossings;
+use crate::mesh::network::Network;
 use crate::mesh::sheets::Side;
 use crate::mesh::surface::sorted_sides;
 use crate::plane::Plane;

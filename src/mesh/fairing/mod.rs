@@ -9,7 +9,6 @@
 
 mod flat;
 mod guard;
-mod network;
 mod patches;
 mod umbrella;
 
@@ -18,12 +17,12 @@ use std::collections::BTreeSet;
 use crate::error::{Error, Remedy, Result};
 use crate::grid::memory::available_memory;
 use crate::mesh::Mesh;
+use crate::mesh::network::Network;
 use crate::plane::Plane;
 use crate::progress::Progress;
 
 use flat::Flat;
 use guard::{Sides, Solids};
-use network::Network;
 
 /// How a mesh is made fair.
 #[derive(Debug, Clone, Copy, PartialEq)]

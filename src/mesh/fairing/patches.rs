@@ -1,6 +1,5 @@
-//! Remeshing patch by patch: a patch is what hangs together across edges of two
-//! triangles between the same two labels that need not stay. All other edges
-//! are borders of patches and stay as they are, so that remeshed patches fit.
+//! Remeshing patch by patch: borders of patches stay as they are, so that remeshed patches
+//! fit.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,29 +7,16 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::guard::Sides;
-use super::network::{Ends, Kind, Network};
 use crate::error::{Error, Result};
 use crate::ffi::fairing::{self, Patch};
-use crate::label::Label;
 use crate::mesh::Mesh;
-use crate::mesh::sheets::join_ends;
-use crate::sets::Sets;
+use crate::mesh::network::{Ends, Kind, Network};
+use crate::mesh::pieces::{Piece, border};
 
 /// Rounds of splitting, collapsing, flipping and projecting back.
 const ROUNDS: u32 = 3;
 /// This part of the way to vertices beside it goes what divides a chord.
 const OFF_CHORD: f64 = 0.25;
-
-/// A patch with vertices of its own: where the network's surface touches itself
-/// in a vertex, a patch has one for each fan.
-pub struct Piece {
-    sides: [Label; 2],
-    /// Its number.
-    patch: u32,
-    /// For every vertex its number in the network.
-    vertices: Vec<u32>,
-    triangles: Vec<[u32; 3]>,
-}
 
 impl Network {
     /// Makes the edges within patches about as long as `length`, but for those that are to
@@ -132,40 +118,6 @@ impl Network {
         }
     }
 
-    /// All patches, in the order of their first triangles.
-    fn pieces_of_patches(&self) -> Vec<Piece> {
-        let count = self.mesh.triangles.len();
-        let (mut corners, mut patches) = (Sets::new(3 * count), Sets::new(count));
-        for sides in self.edges().iter() {
-            if let ([one, other], Kind::Surface) = (sides, self.kind(sides)) {
-                join_ends(&mut corners, one, other);
-                patches.join(one.1, other.1);
-            }
-        }
-        let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for triangle in 0..count as u32 {
-            members.entry(patches.root(triangle)).or_default().push(triangle);
-        }
-        members.into_values().map(|members| self.piece(&members, &mut corners)).collect()
-    }
-
-    fn piece(&self, members: &[u32], corners: &mut Sets) -> Piece {
-        let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
-        let first = members[0] as usize;
-        let (sides, patch) = (self.mesh.sides[first], self.patches[first]);
-        let mut piece = Piece { sides, patch, vertices: Vec::new(), triangles: Vec::new() };
-        for &triangle in members {
-            let vertices = self.mesh.triangles[triangle as usize];
-            piece.triangles.push(std::array::from_fn(|corner| {
-                *numbers.entry(corners.root(3 * triangle + corner as u32)).or_insert_with(|| {
-                    piece.vertices.push(vertices[corner]);
-                    piece.vertices.len() as u32 - 1
-                })
-            }));
-        }
-        piece
-    }
-
     /// A patch remeshed; nothing when it is to stay as it is, because it is one
     /// triangle or none that CGAL can take, or its border came back otherwise.
     fn remeshed(&self, piece: &Piece, length: f64) -> Result<Option<Patch>> {
@@ -230,18 +182,4 @@ impl Network {
 /// The planes that a point is on.
 fn planes_at(point: DVec3, planes: &[Sides]) -> Vec<usize> {
     (0..planes.len()).filter(|&plane| planes[plane].of(point) == 0.0).collect()
-}
-
-/// The edges that only one triangle has, from start to end as it passes them, by
-/// the names of their vertices.
-fn border(triangles: &[u32], name: impl Fn(u32) -> u32) -> Vec<[u32; 2]> {
-    let corners = triangles.chunks_exact(3);
-    let mut edges: Vec<[u32; 2]> =
-        corners.flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]).collect();
-    edges.sort_unstable();
-    let alone = |[start, end]: &[u32; 2]| edges.binary_search(&[*end, *start]).is_err();
-    let mut border: Vec<[u32; 2]> =
-        edges.iter().filter(|edge| alone(edge)).map(|edge| edge.map(&name)).collect();
-    border.sort_unstable();
-    border
 }

@@ -10,8 +10,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::network::{Kind, Network};
 use crate::mesh::Mesh;
+use crate::mesh::network::{Kind, Network};
 
 /// One over the largest eigenvalue of U².
 const RATE: f64 = 0.25;

@@ -34,8 +34,11 @@ impl Made {
     fn new(sections: &[Section], voxels: u32, smooth: f64, border: Label) -> Self {
         let method = MeanValue { smooth, border, ..MeanValue::default() };
         let resolution = Resolution::Voxels(voxels);
-        let mut model =
-            Model::new(Options { method: Method::MeanValue(method), resolution, bounds: None });
+        let mut model = Model::new(Options {
+            method: Method::MeanValue(method),
+            resolution,
+            ..Options::default()
+        });
         let sections = Sections { sections: sections.to_vec(), ..Sections::default() };
         let change = Change::Add(sections);
         model.apply(change, &mut Context::default()).unwrap();
@@ -162,7 +165,8 @@ fn what_coarse_levels_cannot_see_stays() {
     let bounds = Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) };
     let resolution = Resolution::Voxels(200);
     let method = Method::MeanValue(MeanValue::default());
-    let mut model = Model::new(Options { method, resolution, bounds: Some(bounds) });
+    let mut model =
+        Model::new(Options { method, resolution, bounds: Some(bounds), ..Options::default() });
     let mut volumes = Vec::new();
     let sections = Sections { sections: small, ..Sections::default() };
     model.apply(Change::Add(sections), &mut Context::default()).unwrap();

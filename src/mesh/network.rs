@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 
+use super::Mesh;
+use super::sheets::{Side, starts_at};
+use super::surface::sorted_sides;
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
-use crate::mesh::sheets::{Side, starts_at};
-use crate::mesh::surface::sorted_sides;
 use crate::sets::Sets;
 
 /// The ends of an edge, the smaller number first.
