@@ -379,7 +379,15 @@ impl Ground<'_> {
         })?;
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
-        Ok(Derived { complex: Some(complex), samples, mesh, device, exact: None, blocks })
+        Ok(Derived {
+            complex: Some(complex),
+            samples,
+            mesh,
+            device,
+            exact: None,
+            decimation: None,
+            blocks,
+        })
     }
 
     /// Interpolates the distances on the sections of a stack.

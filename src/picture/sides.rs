@@ -129,6 +129,7 @@ mod tests {
                 })
                 .collect(),
             background: Label::OUTSIDE,
+            normals: Vec::new(),
         };
         Sections { sections: vec![square(0.0), square(apart)], ..Sections::default() }
     }

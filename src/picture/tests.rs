@@ -19,6 +19,7 @@ fn circle(center: DVec2, radius: f64, height: f64, label: Label) -> Section {
             .map(|i| Edge { start: i, end: (i + 1) % count, left: label, right: Label::OUTSIDE })
             .collect(),
         background: Label::OUTSIDE,
+        normals: Vec::new(),
     }
 }
 

@@ -84,9 +84,11 @@ mod tests {
             };
             assert!((section.normals()[vertex as usize] - expected).length() < 1e-15);
         }
-        // Where it ends is cut, and the others stay.
-        let extent = [[-2.0, -2.0], [2.0, -2.0], [2.0, 0.1], [-2.0, 0.1]]
-            .map(|[x, y]| DVec3::new(x, y, 0.5));
+        // Beyond an extent the one goes, and the other stays.
+        let along = section.point(2) - 0.5 * DVec3::Z;
+        let across = along.cross(DVec3::Z);
+        let extent = [[-2.0, -2.0], [0.1, -2.0], [0.1, 2.0], [-2.0, 2.0]]
+            .map(|[x, y]| 0.5 * DVec3::Z + x * along + y * across);
         let (within, _) = section.within(&extent, &[], 4.0, &Rules::default()).unwrap();
         let left = within.normals().iter().filter(|normal| **normal != DVec3::ZERO).count();
         assert_eq!(left, 1);

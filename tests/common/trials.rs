@@ -10,7 +10,7 @@ use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::mesh::Mesh;
 use transect::mesh::facts::Facts;
-use transect::method::{MeanValue, Method, Skeleton};
+use transect::method::{Hermite, MeanValue, Method, Skeleton};
 use transect::model::{Model, Options};
 use transect::plane::{Bounds, Plane};
 use transect::progress::Silent;
@@ -27,6 +27,7 @@ pub fn methods() -> Vec<(&'static str, Method)> {
     vec![
         ("variational", Method::default()),
         ("mean-value", Method::MeanValue(MeanValue::default())),
+        ("hermite", Method::Hermite(Hermite::default())),
         ("skeleton", Method::Skeleton(Skeleton::default())),
     ]
 }

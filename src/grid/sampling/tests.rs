@@ -170,6 +170,7 @@ fn contours_find_what_the_coarse_lattice_misses() {
         vertices,
         edges: (0..4).map(edge).collect(),
         background: Label::OUTSIDE,
+        normals: Vec::new(),
     };
     let edges: Vec<[DVec3; 2]> = section.segments().collect();
     let Starts(starts) = Starts::along(&edges, &lattice);
