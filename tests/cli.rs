@@ -223,6 +223,48 @@ fn slices_of_a_result_reconstruct_to_nearly_the_same() {
 }
 
 #[test]
+fn methods_are_compared_side_by_side() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    assert_done(&reconstruct(folder.path(), &["a.ply"], &["--quiet"]));
+    let mut slice = transect();
+    slice.arg("slice").arg(path("a.ply")).args(["--axis", "z", "--count", "12"]);
+    assert_done(&run(slice.arg("-o").arg(path("cuts.csl"))));
+    let compare = |sections: &str, more: &[&str]| {
+        let mut compare = transect();
+        compare.arg("compare-methods").arg(path(sections)).args(COARSE).args(more);
+        run(compare.arg("-o").arg(path("all.png")).arg("--reference").arg(path("a.ply")))
+    };
+    let output = compare("cuts.csl", &["--json"]);
+    assert_done(&output);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let entries = found.as_array().expect("a list");
+    let names: Vec<_> = entries.iter().map(|entry| entry["method"].as_str().unwrap()).collect();
+    assert_eq!(names, ["variational", "mvc", "hermite", "skeleton", "stack"]);
+    for entry in entries {
+        let iou = entry["figures"]["reference"]["iou"].as_f64().expect("a number");
+        assert!((0.8..=1.0).contains(&iou), "{entry}");
+        assert!(entry["figures"]["normals"]["away"].is_number(), "{entry}");
+    }
+    // Five results and the reference, in three columns.
+    let picture = std::fs::read(path("all.png")).expect("a picture");
+    let size = |at: usize| u32::from_be_bytes(picture[at..at + 4].try_into().expect("four bytes"));
+    assert_eq!([size(16), size(20)], [2400, 1200]);
+    // One that does not apply says why, and none at all is an error.
+    let mut slice = transect();
+    slice.arg("slice").arg(path("a.ply")).args(["--random", "6"]);
+    assert_done(&run(slice.arg("-o").arg(path("random.csl"))));
+    let output = compare("random.csl", &["--methods", "mvc,stack"]);
+    assert_done(&output);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("stack does not apply") && text.contains("not parallel"), "{text}");
+    assert_refused(&compare("random.csl", &["--methods", "stack"]), &["no method applies"]);
+    let mut wrong = transect();
+    wrong.arg("compare-methods").arg(path("cuts.csl")).arg("-o").arg(path("all.vdb"));
+    assert_refused(&run(&mut wrong), &["all.vdb", ".png"]);
+}
+
+#[test]
 fn a_sweep_is_partial_frames_that_reconstruct_to_the_solid() {
     let folder = folder();
     let path = |name: &str| folder.path().join(name);

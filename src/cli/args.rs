@@ -1,5 +1,6 @@
 //! The arguments as text.
 
+mod compare_methods;
 mod online;
 mod slice;
 
@@ -22,6 +23,7 @@ use crate::model;
 use crate::picture::{self, Viewpoint};
 use crate::section::{Overlap, Rules, Sections};
 
+pub use compare_methods::CompareMethodsArguments;
 pub use online::{FrameKind, OnlineArguments};
 pub use slice::{AxisName, SliceArguments};
 
@@ -47,6 +49,8 @@ pub enum Command {
     Inspect(InspectArguments),
     /// Measure how far a mesh is from a reference
     Compare(CompareArguments),
+    /// Reconstruct sections by every method, and tell what each makes of them
+    CompareMethods(CompareMethodsArguments),
     /// Reconstruct sections by a second, exact method, and tell where and by how much results differ
     Crosscheck(CrosscheckArguments),
 }

@@ -3,6 +3,7 @@
 mod args;
 mod bars;
 mod compare;
+mod compare_methods;
 mod crosscheck;
 mod errors;
 mod frames;
@@ -57,6 +58,7 @@ fn dispatch(command: &Command) -> Result<()> {
         Command::Mask(arguments) => mask::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
+        Command::CompareMethods(arguments) => compare_methods::run(arguments),
         Command::Crosscheck(arguments) => crosscheck::run(arguments),
     }
 }

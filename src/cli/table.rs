@@ -10,9 +10,11 @@ use crate::stage::Stage;
 
 mod crosscheck;
 mod labels;
+mod methods;
 
 pub use crosscheck::print_crosscheck;
 use labels::write_labels;
+pub use methods::methods;
 
 /// How many labels are shown.
 const LABELS: usize = 24;

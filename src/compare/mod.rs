@@ -2,6 +2,7 @@
 //! counts as the union of them all.
 
 mod columns;
+pub mod methods;
 pub mod normals;
 mod sampling;
 

@@ -79,6 +79,41 @@ pub fn leaning(
     Ok(mean(&places, normals))
 }
 
+/// How far a mesh's normals are off those of its reference, in degrees: means over points of the
+/// reference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NormalErrors {
+    /// Near planes, if any point is.
+    pub at: Option<f64>,
+    /// Everywhere else.
+    pub away: Option<f64>,
+}
+
+/// How far a mesh's normals are off, at planes and away from them.
+///
+/// # Errors
+/// As [`leaning`].
+pub fn normal_errors(
+    mesh: &Mesh,
+    reference: &Mesh,
+    planes: &[Plane],
+    options: &NormalOptions,
+) -> Result<NormalErrors> {
+    let [surface, reference] = [mesh, reference].map(|mesh| mesh.surface_of(Label::is_material));
+    let nearest = Nearest::on_surface(&surface)?;
+    let drawn = draw_on(&reference, options.samples.max(1), options.seed);
+    let points: Vec<DVec3> = drawn.iter().map(|(_, point)| *point).collect();
+    let mut sums = [(0.0, 0usize); 2];
+    for ((own, point), found) in drawn.iter().zip(nearest.triangles(&points)?) {
+        let is_near = across(planes, *point, options.reach).is_some();
+        let (sum, count) = &mut sums[usize::from(!is_near)];
+        *sum += degrees(normal(&surface, found as usize), normal(&reference, *own));
+        *count += 1;
+    }
+    let [at, away] = sums.map(|(sum, count)| (count > 0).then(|| sum / count as f64));
+    Ok(NormalErrors { at, away })
+}
+
 /// A point of the reference near a plane.
 struct Place {
     point: DVec3,
@@ -171,6 +206,20 @@ mod tests {
         let options = NormalOptions::within(0.1);
         let found = leaning(&slope, &slope, &[level(0.0), level(0.5)], &options).unwrap().unwrap();
         assert!(found.error < 1e-6 && found.steepness == found.true_steepness, "{found:?}");
+    }
+
+    #[test]
+    fn errors_are_told_apart_by_where_they_are() {
+        // A slope beside one that leans as much as it does: off by 2 · 36.87° or not at all.
+        let (wall, slope) = (frustum(1.0, 0.0), frustum(1.0, 0.75));
+        let options = NormalOptions::within(0.01);
+        let same = normal_errors(&slope, &slope, &[level(0.0)], &options).unwrap();
+        assert!(same.at.is_some_and(|at| at < 1e-6) && same.away.is_some_and(|away| away < 1e-6));
+        let found = normal_errors(&wall, &slope, &[level(0.0)], &options).unwrap();
+        assert!(found.at.is_some_and(|at| (at - 36.87).abs() < 0.5), "{found:?}");
+        assert!(found.away.is_some_and(|away| away > 10.0 && away < 90.0), "{found:?}");
+        let far = normal_errors(&wall, &slope, &[level(9.0)], &options).unwrap();
+        assert_eq!(far.at, None);
     }
 
     #[test]

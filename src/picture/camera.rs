@@ -60,6 +60,11 @@ impl Camera {
         Self { rotation, eye, center: (frame.min + frame.max) / 2.0, focal }
     }
 
+    /// The direction towards the viewer, in the scene's space.
+    pub fn towards(&self) -> Vec3 {
+        self.rotation.row(2)
+    }
+
     /// The same view in a picture of another size.
     pub fn scaled(&self, scale: f32) -> Self {
         Self { center: self.center * scale, focal: self.focal * scale, ..self.clone() }

@@ -33,7 +33,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, RgbaImage};
+use image::{ExtendedColorType, ImageEncoder, Rgba, RgbaImage};
 
 use crate::direction;
 use crate::label::Label;
@@ -132,6 +132,34 @@ pub fn render_values(
     scale.draw(&mut image);
     overlay::draw_triad(&mut image, &camera);
     image
+}
+
+/// From where [`render`] looks, to look at other results the same way.
+pub fn viewpoint(mesh: &Mesh, sections: &Sections, options: &PictureOptions) -> Viewpoint {
+    let selection = Selection(options.labels.as_deref());
+    let scene = Scene::new(mesh, &sections.sections, &sections.materials, selection);
+    let size = options.size.map(|side| side.max(1));
+    let legend = overlay::Legend::new(&scene, size);
+    let camera = options.camera(&scene, sections, legend.free_area(size));
+    Viewpoint::Direction(camera.towards().as_dvec3())
+}
+
+/// Pictures of one size with their titles, in rows.
+pub fn side_by_side(pictures: &[(String, RgbaImage)]) -> RgbaImage {
+    let Some((_, first)) = pictures.first() else { return RgbaImage::default() };
+    let [width, height] = [first.width(), first.height()];
+    let columns = (pictures.len() as f64).sqrt().ceil() as usize;
+    let rows = pictures.len().div_ceil(columns);
+    let size = [columns as u32 * width, rows as u32 * height];
+    let mut all = RgbaImage::from_pixel(size[0], size[1], Rgba([255; 4]));
+    let font = text::Font::for_size([width, height]);
+    for (number, (title, picture)) in pictures.iter().enumerate() {
+        let [x, y] = [number % columns, number / columns].map(|place| place as u32);
+        image::imageops::replace(&mut all, picture, (x * width).into(), (y * height).into());
+        let margin = font.line() / 2;
+        font.draw(&mut all, title, [x * width + margin, y * height + margin], [40; 3]);
+    }
+    all
 }
 
 /// Writes a picture as PNG.
