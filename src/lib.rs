@@ -136,7 +136,7 @@ pub use io::{read_all, read_sections};
 pub use label::{Label, Material};
 pub use mesh::Mesh;
 pub use mesh::patches::Patches;
-pub use method::{MeanValue, Method, Skeleton, Variational};
+pub use method::{Hermite, MeanValue, Method, ShapeBased, Skeleton, Variational};
 pub use model::{Derived, Model, Options};
 pub use plane::{Bounds, Plane};
 pub use progress::{Progress, Silent};

@@ -37,6 +37,11 @@ impl<const N: usize, const FMA: bool> Lanes<N, FMA> {
     }
 
     #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Self(from_fn(|lane| self.0[lane].min(other.0[lane])))
+    }
+
+    #[inline(always)]
     pub fn reciprocal(self) -> Self {
         self.map(|value| 1.0 / value)
     }

@@ -76,11 +76,7 @@ fn add_face<const N: usize, const FMA: bool>(
         let share = gamma * Lanes::splat(triangle.sixth);
         let mut found = [share * (b + c), share * (c + a), share * (a + b)];
         let [x, y, z] = triangle.corners.map(|corner| corners[corner as usize].r_squared);
-        let mut least = [0.0; N];
-        for lane in 0..N {
-            least[lane] = x.0[lane].min(y.0[lane]).min(z.0[lane]) - triangle.far;
-        }
-        let beyond = Lanes::<N, FMA>(least);
+        let beyond = x.min(y).min(z) - Lanes::splat(triangle.far);
         if beyond.any_negative() {
             let near = near_weights(triangle, own_edges, corners, [gamma, gamma_squared, inverse]);
             for corner in 0..3 {
@@ -89,9 +85,7 @@ fn add_face<const N: usize, const FMA: bool>(
         }
         for corner in 0..3 {
             let sum = &mut weights[triangle.nodes[corner] as usize];
-            for lane in 0..N {
-                sum[lane] += found[corner].0[lane];
-            }
+            *sum = (Lanes::<N, FMA>(*sum) + found[corner]).0;
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The Hermite field of Sharma and Agarwal (2016): signed distances on the sections, and their
 //! gradients, interpolated in the cells between them.
 //!
-//! O. Sharma, N. Agarwal, Signed distance based 3D surface reconstruction from unorganized
-//! planar cross-sections, Computers & Graphics 62, 2016.
+//! O. Sharma, N. Agarwal, 3D surface reconstruction from unorganized sparse cross sections,
+//! 2016.
 //!
 //! The facets of a cell are cut into triangles ([`facet_mesh`]). At their corners v_i every
 //! label has a value f_i and a gradient ∇f_i ([`nodes`]), which along contours is the surface's
@@ -57,7 +57,7 @@ const SPACING: f64 = 1.0 / 32.0;
 const FINEST: f64 = 1.0 / 512.0;
 
 /// What is not in the paper, or not said there.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Options {
     /// How finely facets are triangulated: the length of an edge in world units, a 32nd of the
     /// box's longest side when none is given.
@@ -81,12 +81,6 @@ pub enum Gradients {
     /// The surface's normal at the nearest place on a contour.
     #[default]
     Normals,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { spacing: None, gradients: Gradients::default(), density: false }
-    }
 }
 
 impl Options {
