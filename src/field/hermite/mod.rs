@@ -4,9 +4,9 @@
 //! O. Sharma, N. Agarwal, 3D surface reconstruction from unorganized sparse cross sections,
 //! 2016.
 //!
-//! The facets of a cell are cut into triangles ([`facet_mesh`]). At their corners v_i every
-//! label has a value f_i and a gradient ∇f_i ([`nodes`]), which along contours is the surface's
-//! normal ([`outline`]). With the mean-value coordinates λ_i of x in the cell (Ju et al. 2005)
+//! The facets of a cell are cut into triangles (`facet_mesh`). At their corners v_i every
+//! label has a value f_i and a gradient ∇f_i (`nodes`), which along contours is the surface's
+//! normal (`outline`). With the mean-value coordinates λ_i of x in the cell (Ju et al. 2005)
 //! the value in between is (Eq. 3)
 //!
 //! ```text

@@ -29,6 +29,8 @@ const FACING: f64 = 0.7;
 /// How much a surface moves within a plane at most, per distance across it: where a section shows
 /// nothing near that the next one shows, it is not known how far it moves.
 const MOST_LEAN: f64 = 1.0;
+/// A normal that lies nearer to the plane's has no part within the plane.
+const ALONG: f64 = 1e-6;
 /// Where tangents enclose an angle with a sine below this they say nothing of the normal.
 const PARALLEL: f64 = 0.1;
 
@@ -233,13 +235,15 @@ impl Chain {
         Self { normals, ..self }
     }
 
-    /// The tilt at a point where the surface's normal is known.
+    /// The tilt at a point where the surface's normal is known. One along the contour says nothing
+    /// of it, and of one along the plane's normal it is not known which way it points.
     fn known_tilt(&self, point: usize, normal: DVec3) -> Option<f64> {
         let left = normal.cross(self.tangents[point]);
         let [along, across] = [left, normal].map(|axis| axis.dot(self.normals[point]));
         // It may point either way.
         let sign = if along < 0.0 { -1.0 } else { 1.0 };
-        (along.hypot(across) > PARALLEL).then(|| (sign * across).atan2(sign * along))
+        let stands = along.abs() > ALONG * along.hypot(across);
+        (stands && along.hypot(across) > PARALLEL).then(|| (sign * across).atan2(sign * along))
     }
 
     fn edges(&self) -> usize {
@@ -373,14 +377,15 @@ impl Crossing<'_> {
         let slope = |sign: f64| {
             let mut own = all.iter().filter(|(_, along)| sign * along > 0.0);
             own.find_map(|&(number, along)| {
-                Some(sign * self.growth(chain.labels, at + along * normal, number)? / along.abs())
+                let growth = self.growth(chain.labels, at + along * normal, number)?;
+                Some((sign * growth / along.abs()).clamp(-MOST_LEAN, MOST_LEAN))
             })
         };
         match (slope(-1.0), slope(1.0)) {
             (Some(before), Some(behind)) => Some(0.5 * (before + behind)),
             (before, behind) => before.or(behind),
         }
-        .map(|slope| slope.clamp(-MOST_LEAN, MOST_LEAN).atan())
+        .map(f64::atan)
     }
 
     /// How much farther the smaller label of a contour reaches on a section than up to a place:
@@ -518,6 +523,38 @@ mod tests {
             let worst = worst(&sections, along(&sections[number]));
             assert!(worst < limit, "{number}: {worst}");
         }
+    }
+
+    /// Sections before and behind that show the label everywhere, and so have no contour.
+    #[test]
+    fn what_has_no_contours_leans_as_little_as_any() {
+        let blank = |height: f64| {
+            let plane = Plane { normal: DVec3::Z, offset: height };
+            crate::check::shapes::partition(plane, &[], Label(1))
+        };
+        let sections = [blank(-0.5), small(0.0, 12), blank(0.5)];
+        let worst = worst(&sections, along(&sections[1]));
+        assert!(worst < 0.3, "{worst}");
+    }
+
+    #[test]
+    fn known_normals_may_point_either_way() {
+        let sphere = small(0.4, 48);
+        let known = |sign: f64| {
+            let points: Vec<DVec3> = (0..48).map(|vertex| sphere.point(vertex)).collect();
+            let own = points.into_iter().map(|at| (at, sign * at));
+            [sphere.clone().with_normals(own).unwrap()]
+        };
+        for sign in [1.0, -1.0] {
+            let sections = known(sign);
+            let worst = worst(&sections, along(&sections[0]));
+            assert!(worst < 0.3, "{sign}: {worst}");
+        }
+        // What is along the plane's normal says nothing.
+        let along_axis = (0..48).map(|vertex| (sphere.point(vertex), DVec3::Z));
+        let sections = [sphere.clone().with_normals(along_axis).unwrap()];
+        let worst = worst(&sections, along(&sections[0]));
+        assert!((worst - 0.4f64.asin().to_degrees()).abs() < 0.3, "{worst}");
     }
 
     #[test]
