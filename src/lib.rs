@@ -59,6 +59,7 @@
 //!     resolution: Resolution::Voxels(32),
 //!     // In a box that stays, a change costs what it concerns.
 //!     bounds: Some(Bounds { min: DVec3::new(-1.5, -1.5, -0.5), max: DVec3::new(1.5, 1.5, 1.5) }),
+//!     ..Options::default()
 //! });
 //! let mut context = Context::default();
 //! let ids = model.apply(Change::Add(Sections::new(discs.to_vec(), &rules)?), &mut context)?;
