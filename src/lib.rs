@@ -95,6 +95,7 @@ pub mod grid;
 pub mod inspect;
 pub mod io;
 pub mod label;
+pub mod label_image;
 mod living;
 pub mod mask;
 mod memory;

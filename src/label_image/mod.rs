@@ -1,0 +1,125 @@
+//! Images of labels: pixels on a plane in space, each with one label, and the section that they
+//! show.
+
+mod trace;
+
+use glam::{DVec2, DVec3};
+
+use crate::error::Result;
+use crate::plane::Plane;
+use crate::section::{Findings, Rules, Section};
+
+use trace::{Pixels, trace};
+
+/// Below this part of what two steps would span at a right angle, pixels have no area.
+const FLAT: f64 = 1e-6;
+
+/// Pixels with labels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LabelImage {
+    pixels: Pixels,
+    placement: ImagePlacement,
+}
+
+/// Where pixels are: pixel (i, j) has its centre at `origin + i · steps[0] + j · steps[1]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImagePlacement {
+    /// The centre of the first pixel, in world units.
+    pub origin: DVec3,
+    /// From a pixel to the next in its row, and from a row to the next, in world units.
+    pub steps: [DVec3; 2],
+}
+
+impl LabelImage {
+    /// From a label for each pixel, row by row; `size` is how many a row has, and how many rows
+    /// there are.
+    ///
+    /// # Errors
+    /// What is wrong: the number of labels, or steps that span no area.
+    pub fn new(
+        size: [usize; 2],
+        labels: Vec<u32>,
+        placement: ImagePlacement,
+    ) -> std::result::Result<Self, String> {
+        if size[0].checked_mul(size[1]) != Some(labels.len()) {
+            return Err(format!("{} labels are given for {size:?} pixels", labels.len()));
+        }
+        let [right, down] = placement.steps;
+        let area = right.cross(down).length();
+        let spans = area > FLAT * right.length() * down.length() && area.is_normal();
+        if !placement.origin.is_finite() || !spans {
+            return Err(format!(
+                "its rows and columns ({right}, {down}, from {}) span no area: correct its spacing",
+                placement.origin
+            ));
+        }
+        Ok(Self { pixels: Pixels { size, labels }, placement })
+    }
+
+    /// The section that the pixels show: the plane through their centres, with contours between
+    /// pixels of different labels. Beyond the image is outside, so what reaches its border ends
+    /// there, half a pixel beyond the last centres.
+    ///
+    /// # Errors
+    /// When no section can be made of them.
+    pub fn section(&self, name: &str, rules: &Rules) -> Result<(Section, Findings)> {
+        let ImagePlacement { origin, steps } = self.placement;
+        let normal = steps[0].cross(steps[1]).normalize();
+        let plane = Plane { normal, offset: normal.dot(origin) };
+        let contours = trace(&self.pixels, |_, _| 0.5, |_| None);
+        let place = |at: &DVec2| origin + at.x * steps[0] + at.y * steps[1];
+        let points: Vec<DVec3> = contours.points.iter().map(place).collect();
+        let [width, height] = self.pixels.size.map(|pixels| pixels as f64);
+        let diagonal = (width * steps[0]).length().hypot((height * steps[1]).length());
+        Section::from_graph(name, plane, &points, &contours.edges, diagonal, rules)
+    }
+
+    /// The labels that pixels on the image's border have, but for outside; sorted.
+    pub fn on_border(&self) -> Vec<u32> {
+        let Pixels { size: [width, height], labels } = &self.pixels;
+        let is_border = |index: usize| {
+            let (x, y) = (index % width, index / width);
+            x == 0 || y == 0 || x + 1 == *width || y + 1 == *height
+        };
+        let mut found: Vec<u32> = (labels.iter().enumerate())
+            .filter(|&(index, &label)| label != 0 && is_border(index))
+            .map(|(_, &label)| label)
+            .collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::label::Label;
+
+    fn image(size: [usize; 2], labels: &[u32]) -> LabelImage {
+        let placement = ImagePlacement { origin: DVec3::Z, steps: [DVec3::X, DVec3::Y] };
+        LabelImage::new(size, labels.to_vec(), placement).expect("an image")
+    }
+
+    #[test]
+    fn random_pixels_are_a_section() {
+        let mut random = crate::random::Random::new(7);
+        for _ in 0..200 {
+            let labels: Vec<u32> = (0..35).map(|_| (random.unit() * 4.0) as u32).collect();
+            let image = image([7, 5], &labels);
+            let (section, _) = image.section("random", &Rules::default()).expect("a section");
+            for (index, &label) in labels.iter().enumerate() {
+                let at = DVec2::new((index % 7) as f64, (index / 7) as f64);
+                assert_eq!(section.label_at(at), Label(label), "{labels:?} {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn parts_that_touch_in_corners_are_apart_and_borders_are_told() {
+        let image = image([2, 2], &[1, 0, 0, 2]);
+        assert_eq!(image.on_border(), [1, 2]);
+        let (section, _) = image.section("corners", &Rules::default()).expect("a section");
+        assert_eq!(section.edges().len(), 8);
+    }
+}
