@@ -1,6 +1,17 @@
 //! Images of labels: pixels on a plane in space, each with one label, and the section that they
 //! show.
+//!
+//! ```text
+//! pixels ─► outlines ─► mpu (fit) ─► curves ─► trace ─► simplify ─► Section
+//! ```
 
+mod curves;
+mod fit;
+mod mpu;
+mod outline;
+mod simplify;
+#[cfg(test)]
+mod tests;
 mod trace;
 
 use glam::{DVec2, DVec3};
@@ -9,16 +20,21 @@ use crate::error::Result;
 use crate::plane::Plane;
 use crate::section::{Findings, Rules, Section};
 
-use trace::{Pixels, trace};
+use curves::contours;
+pub use mpu::CurveOptions;
+use trace::{Contours, Pixels};
 
 /// Below this part of what two steps would span at a right angle, pixels have no area.
 const FLAT: f64 = 1e-6;
+/// Points of a contour go where without them it moves by less than this, in pixels.
+const STRAIGHT: f64 = 0.05;
 
 /// Pixels with labels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelImage {
     pixels: Pixels,
     placement: ImagePlacement,
+    curves: CurveOptions,
 }
 
 /// Where pixels are: pixel (i, j) has its centre at `origin + i · steps[0] + j · steps[1]`.
@@ -53,12 +69,19 @@ impl LabelImage {
                 placement.origin
             ));
         }
-        Ok(Self { pixels: Pixels { size, labels }, placement })
+        let curves = CurveOptions::default();
+        Ok(Self { pixels: Pixels { size, labels }, placement, curves })
     }
 
-    /// The section that the pixels show: the plane through their centres, with contours between
-    /// pixels of different labels. Beyond the image is outside, so what reaches its border ends
-    /// there, half a pixel beyond the last centres.
+    /// The same with curves that follow its pixels more closely, or less.
+    #[must_use]
+    pub fn with_curves(self, curves: CurveOptions) -> Self {
+        Self { curves, ..self }
+    }
+
+    /// The section that the pixels show: the plane through their centres, with smooth contours
+    /// between pixels of different labels. Beyond the image is outside, so what reaches its border
+    /// ends there, half a pixel beyond the last centres.
     ///
     /// # Errors
     /// When no section can be made of them.
@@ -66,12 +89,16 @@ impl LabelImage {
         let ImagePlacement { origin, steps } = self.placement;
         let normal = steps[0].cross(steps[1]).normalize();
         let plane = Plane { normal, offset: normal.dot(origin) };
-        let contours = trace(&self.pixels, |_, _| 0.5, |_| None);
-        let place = |at: &DVec2| origin + at.x * steps[0] + at.y * steps[1];
-        let points: Vec<DVec3> = contours.points.iter().map(place).collect();
         let [width, height] = self.pixels.size.map(|pixels| pixels as f64);
         let diagonal = (width * steps[0]).length().hypot((height * steps[1]).length());
-        Section::from_graph(name, plane, &points, &contours.edges, diagonal, rules)
+        let section = |contours: &Contours| {
+            let place = |at: &DVec2| origin + at.x * steps[0] + at.y * steps[1];
+            let points: Vec<DVec3> = contours.points.iter().map(place).collect();
+            Section::from_graph(name, plane, &points, &contours.edges, diagonal, rules)
+        };
+        let contours = contours(&self.pixels, &self.curves);
+        // Curves that nearly touch may cross when they have fewer points.
+        section(&contours.simplified(STRAIGHT)).or_else(|_| section(&contours))
     }
 
     /// The labels that pixels on the image's border have, but for outside; sorted.
@@ -88,38 +115,5 @@ impl LabelImage {
         found.sort_unstable();
         found.dedup();
         found
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::label::Label;
-
-    fn image(size: [usize; 2], labels: &[u32]) -> LabelImage {
-        let placement = ImagePlacement { origin: DVec3::Z, steps: [DVec3::X, DVec3::Y] };
-        LabelImage::new(size, labels.to_vec(), placement).expect("an image")
-    }
-
-    #[test]
-    fn random_pixels_are_a_section() {
-        let mut random = crate::random::Random::new(7);
-        for _ in 0..200 {
-            let labels: Vec<u32> = (0..35).map(|_| (random.unit() * 4.0) as u32).collect();
-            let image = image([7, 5], &labels);
-            let (section, _) = image.section("random", &Rules::default()).expect("a section");
-            for (index, &label) in labels.iter().enumerate() {
-                let at = DVec2::new((index % 7) as f64, (index / 7) as f64);
-                assert_eq!(section.label_at(at), Label(label), "{labels:?} {index}");
-            }
-        }
-    }
-
-    #[test]
-    fn parts_that_touch_in_corners_are_apart_and_borders_are_told() {
-        let image = image([2, 2], &[1, 0, 0, 2]);
-        assert_eq!(image.on_border(), [1, 2]);
-        let (section, _) = image.section("corners", &Rules::default()).expect("a section");
-        assert_eq!(section.edges().len(), 8);
     }
 }
