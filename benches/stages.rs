@@ -17,7 +17,9 @@ use transect::change::Change;
 use transect::complex::Complex;
 use transect::context::Context;
 use transect::error::{Error, Result};
-use transect::field::{Adapter, Boundaries, Cpu, Device, Field, Gpu, Queries, Reference, Run};
+use transect::field::{
+    Adapter, Boundaries, Cpu, Device, Evaluator, Field, Gpu, Queries, Reference, Run, hermite,
+};
 use transect::grid::frame::Frame;
 use transect::grid::lattice::Resolution;
 use transect::io;
@@ -47,6 +49,9 @@ const ORACLE_POINTS: [u32; 2] = [1_000_000, 100_000];
 /// Points that the backends are timed on: as many as the reference can do in
 /// about a second, and more for the others.
 const POINTS: [(&str, usize); 3] = [("reference", 20_000), ("cpu", 1_000_000), ("gpu", 200_000)];
+
+/// The same for the Hermite field.
+const HERMITE_POINTS: usize = 50_000;
 
 /// Voxels on the longest side for which the seconds of the default method are shown, and
 /// last those for which it is shown what an unknown takes.
@@ -82,7 +87,7 @@ fn main() -> Result<()> {
     }
     println!("\n{:<22}{:>14}  G edge evaluations a second (× the reference)", "", "edges/point");
     for (name, model, _) in &models {
-        rates(name, complex(model)?)?;
+        rates(name, model)?;
     }
     println!("\n{:<22}{:>14}  M unknowns × iterations a second of the solver", "", "unknowns");
     for (name, model, _) in &models {
@@ -239,8 +244,10 @@ fn plain_label(sections: &[Section], bounds: Bounds, point: DVec3) -> Label {
     section.label_at(foot)
 }
 
-/// One row of the table of backends.
-fn rates(name: &str, complex: &Complex) -> Result<()> {
+/// One row of the table of backends, and below it the Hermite field on the CPU: how many edges of
+/// triangles it has a point, and how many a second.
+fn rates(name: &str, model: &Model) -> Result<()> {
+    let complex = complex(model)?;
     let clearance = 1e-4 * complex.bounds().diagonal();
     let boundaries = Boundaries::new(complex, clearance, None)?;
     let reference = Reference::new(&boundaries)?;
@@ -249,7 +256,7 @@ fn rates(name: &str, complex: &Complex) -> Result<()> {
     let per_point = queries(complex, &cpu, 10_000);
     let edges = per_point.edge_evaluations(&cpu) as f64 / per_point.points.len() as f64;
     print!("{name:<22}{edges:>14.0}");
-    let mut of_reference = f64::NAN;
+    let (mut of_reference, mut of_cpu) = (f64::NAN, f64::NAN);
     let fields: [Option<&dyn Field>; 3] =
         [Some(&reference), Some(&cpu), gpu.as_ref().ok().map(|gpu| gpu as &dyn Field)];
     for ((backend, points), field) in POINTS.into_iter().zip(fields) {
@@ -258,12 +265,22 @@ fn rates(name: &str, complex: &Complex) -> Result<()> {
             continue;
         };
         let rate = rate(field, &queries(complex, field, points))?;
-        if backend == "reference" {
-            of_reference = rate;
+        match backend {
+            "reference" => of_reference = rate,
+            "cpu" => of_cpu = rate,
+            _ => {}
         }
         print!("  {} {:.3} (× {:.1})", field.name(), rate / 1e9, rate / of_reference);
     }
     println!();
+    let options = hermite::Options::default();
+    let nodes = hermite::Nodes::new(&boundaries, &model.sections().sections, &options, &Silent)?;
+    let unit = complex.bounds().diagonal();
+    let field = Evaluator::default().hermite(&boundaries, &nodes, &options, unit, Device::Cpu)?;
+    let queries = queries(complex, field.as_ref(), HERMITE_POINTS);
+    let edges = queries.edge_evaluations(field.as_ref()) as f64 / queries.points.len() as f64;
+    let rate = rate(field.as_ref(), &queries)?;
+    println!("  hermite{edges:>28.0}  cpu {:.3} (× {:.2} of mvc's)", rate / 1e9, rate / of_cpu);
     Ok(())
 }
 

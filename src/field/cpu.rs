@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::gpu::batch::LaidOut;
 use super::kernel;
 use super::packing::{PackedCell, Part};
 use super::{Boundaries, Field, Queries};
@@ -10,7 +11,7 @@ use crate::error::Result;
 use crate::label::Label;
 
 /// Points in one unit of parallel work.
-pub(super) const CHUNK: usize = 64;
+const CHUNK: usize = 64;
 
 /// The f32 backend on the CPU. A point's values depend on nothing but the
 /// point: neither on its lane nor on its neighbours or the threads.
@@ -39,6 +40,20 @@ pub(super) struct Job<'a> {
     pub part: Part,
     pub points: &'a [DVec3],
     pub values: &'a mut [f32],
+}
+
+/// Points of a query that are evaluated together, and where their values go.
+pub(super) struct Piece<'a, Cell> {
+    pub cell: &'a Cell,
+    pub points: &'a [DVec3],
+    pub values: &'a mut [f32],
+}
+
+/// Work on many points, one a lane of a vector.
+pub(super) trait Lanewise {
+    /// Does it with `N` lanes, and if there is one with a fused multiply and add. To be compiled
+    /// for several instruction sets it must be inlined.
+    fn run_lanes<const N: usize, const FMA: bool>(self);
 }
 
 impl Cpu {
@@ -70,9 +85,10 @@ impl Cpu {
         values: &mut [f32],
         wanted: impl Fn(&PackedCell) -> bool + Sync,
     ) {
-        jobs(&self.cells, queries, values)
+        pieces(&self.cells, queries, values)
             .into_par_iter()
-            .filter(|job| wanted(job.cell))
+            .filter(|piece| wanted(piece.cell))
+            .map(|Piece { cell, points, values }| Job { cell, part: Part::All, points, values })
             .for_each(|job| job.run(self.instructions));
     }
 
@@ -106,25 +122,26 @@ impl Field for Cpu {
 }
 
 /// How many values a query asks for.
-pub(super) fn value_count(cells: &[PackedCell], queries: &Queries) -> usize {
-    queries.runs.iter().map(|run| run.points.len() * cells[run.cell as usize].labels.len()).sum()
+pub(super) fn value_count<Cell: LaidOut>(cells: &[Cell], queries: &Queries) -> usize {
+    queries.runs.iter().map(|run| run.points.len() * cells[run.cell as usize].label_count()).sum()
 }
 
-fn jobs<'a>(
-    cells: &'a [PackedCell],
+/// A query cut into pieces for threads.
+pub(super) fn pieces<'a, Cell: LaidOut>(
+    cells: &'a [Cell],
     queries: &'a Queries,
     mut values: &'a mut [f32],
-) -> Vec<Job<'a>> {
-    let mut jobs = Vec::new();
+) -> Vec<Piece<'a, Cell>> {
+    let mut pieces = Vec::new();
     for run in &queries.runs {
         let cell = &cells[run.cell as usize];
         for points in queries.points[run.points.clone()].chunks(CHUNK) {
-            let (own, others) = values.split_at_mut(points.len() * cell.labels.len());
-            jobs.push(Job { cell, part: Part::All, points, values: own });
+            let (own, others) = values.split_at_mut(points.len() * cell.label_count());
+            pieces.push(Piece { cell, points, values: own });
             values = others;
         }
     }
-    jobs
+    pieces
 }
 
 impl Instructions {
@@ -137,6 +154,31 @@ impl Instructions {
         }
         Self::Baseline
     }
+
+    /// Does work with them.
+    pub fn run(self, work: impl Lanewise) {
+        match self {
+            // 64-bit ARM always has a fused multiply and add.
+            Self::Baseline => work.run_lanes::<8, { cfg!(target_arch = "aarch64") }>(),
+            // SAFETY: `detect` found these instructions on this processor.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => unsafe { run_avx2(work) },
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => unsafe { run_avx512(work) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn run_avx2(work: impl Lanewise) {
+    work.run_lanes::<8, true>();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx2,fma")]
+fn run_avx512(work: impl Lanewise) {
+    work.run_lanes::<16, true>();
 }
 
 impl Job<'_> {
@@ -154,33 +196,11 @@ impl Job<'_> {
 
     /// W of every label at every point, up to a common factor.
     pub fn weigh(self, instructions: Instructions) {
-        match instructions {
-            Instructions::Baseline => self.run_baseline(),
-            // SAFETY: `detect` found these instructions on this processor.
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2 => unsafe { self.run_avx2() },
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx512 => unsafe { self.run_avx512() },
-        }
+        instructions.run(self);
     }
+}
 
-    fn run_baseline(self) {
-        // 64-bit ARM always has a fused multiply and add.
-        self.run_lanes::<8, { cfg!(target_arch = "aarch64") }>();
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    fn run_avx2(self) {
-        self.run_lanes::<8, true>();
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx2,fma")]
-    fn run_avx512(self) {
-        self.run_lanes::<16, true>();
-    }
-
+impl Lanewise for Job<'_> {
     #[inline(always)]
     fn run_lanes<const N: usize, const FMA: bool>(self) {
         let labels = self.cell.labels.len();

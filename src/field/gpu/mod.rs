@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use self::batch::{Batch, Limits, Target, batches};
+use self::batch::{Batch, LaidOut, Limits, Target, batches};
 use self::layout::{DeviceJob, Tables};
 use super::cpu::{Cpu, indicator, value_count};
 use super::{Boundaries, Field, Queries};
@@ -51,6 +51,48 @@ impl Opened {
         let limits = Limits::of(&connection);
         Ok(Self { connection, pipeline, limits })
     }
+
+    /// The numbers of the cells that queries ask for and a device can do, sorted: after a change
+    /// of some sections these are few of all.
+    pub(super) fn wanted<Cell: LaidOut>(&self, all: &[Cell], queries: &Queries) -> Vec<u32> {
+        let mut cells: Vec<u32> = queries.runs.iter().map(|run| run.cell).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells.retain(|&cell| self.limits.allow(&all[cell as usize]));
+        cells
+    }
+
+    /// Cells by their numbers on the device, laid out in tables in the order of the bindings.
+    pub(super) fn upload(&self, cells: Vec<u32>, tables: &[&[u8]]) -> Result<Uploaded> {
+        let upload = |bytes: &&[u8]| self.connection.upload(bytes);
+        let tables = tables.iter().map(upload).collect::<Result<_>>()?;
+        self.connection.check()?;
+        Ok(Uploaded { cells, tables })
+    }
+
+    /// Compares a few points of a batch with what is expected of them. Right at a contour two
+    /// correct results can differ, so it takes a majority to complain.
+    pub(super) fn spot_check(
+        &self,
+        batch: &Batch,
+        values: &[f32],
+        tolerance: f32,
+        expect: impl Fn(&Target, &mut [f32]),
+    ) -> Result<()> {
+        const PROBES: usize = 8;
+        let step = batch.targets.len().div_ceil(PROBES).max(1);
+        let is_alike = |target: &Target| {
+            let found = &values[target.value..target.value + target.labels];
+            let mut expected = vec![0.0; target.labels];
+            expect(target, &mut expected);
+            found.iter().zip(&expected).all(|(f, e)| (f - e).abs() <= tolerance)
+        };
+        let probes: Vec<bool> = batch.targets.iter().step_by(step).map(is_alike).collect();
+        if 2 * probes.iter().filter(|is_alike| !**is_alike).count() > probes.len() {
+            return Err(self.connection.garbage("values unlike the CPU's"));
+        }
+        Ok(())
+    }
 }
 
 /// The f32 backend on a GPU.
@@ -60,13 +102,18 @@ pub struct Gpu {
     opened: Arc<Opened>,
 }
 
-/// The cells that queries ask for, on the device: after a change of some sections these are few
-/// of all.
-struct Uploaded {
+/// Cells on the device.
+pub(super) struct Uploaded {
     /// Their numbers, sorted.
     cells: Vec<u32>,
-    /// Cells, faces, chains, edges and ramps, in the order of the bindings.
-    tables: Vec<wgpu::Buffer>,
+    pub tables: Vec<wgpu::Buffer>,
+}
+
+impl Uploaded {
+    /// Which of them a cell is; it must be one.
+    pub fn place(&self, cell: u32) -> u32 {
+        self.cells.partition_point(|&other| other < cell) as u32
+    }
 }
 
 impl Gpu {
@@ -95,15 +142,9 @@ impl Gpu {
     /// The cells of queries that the device evaluates.
     fn upload(&self, queries: &Queries) -> Result<Uploaded> {
         let all = self.cpu.cells();
-        let mut cells: Vec<u32> = queries.runs.iter().map(|run| run.cell).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        cells.retain(|&cell| self.opened.limits.allow(&all[cell as usize]));
+        let cells = self.opened.wanted(all, queries);
         let tables = Tables::new(cells.iter().map(|&cell| &all[cell as usize]));
-        let upload = |bytes| self.opened.connection.upload(bytes);
-        let tables = tables.contents().into_iter().map(upload).collect::<Result<_>>()?;
-        self.opened.connection.check()?;
-        Ok(Uploaded { cells, tables })
+        self.opened.upload(cells, &tables.contents())
     }
 
     /// Evaluates one batch into the values of the whole query.
@@ -114,10 +155,7 @@ impl Gpu {
         batch: &Batch,
         values: &mut [f32],
     ) -> Result<()> {
-        let place = |job: &DeviceJob| DeviceJob {
-            cell: uploaded.cells.partition_point(|&cell| cell < job.cell) as u32,
-            ..*job
-        };
+        let place = |job: &DeviceJob| DeviceJob { cell: uploaded.place(job.cell), ..*job };
         let jobs: Vec<DeviceJob> = batch.jobs.iter().map(place).collect();
         let points = self.opened.connection.upload(bytemuck::cast_slice(&batch.points))?;
         let jobs = self.opened.connection.upload(bytemuck::cast_slice(&jobs))?;
@@ -139,18 +177,13 @@ impl Gpu {
         self.spot_check(queries, batch, values)
     }
 
-    /// Compares a few points with the CPU. Right at a contour two correct
-    /// results can differ, so it takes a majority to complain.
+    /// Compares a few points with the CPU.
     fn spot_check(&self, queries: &Queries, batch: &Batch, values: &[f32]) -> Result<()> {
         const TOLERANCE: f32 = 0.01;
-        let expected = |target: &Target, expected: &mut [f32]| {
+        self.opened.spot_check(batch, values, TOLERANCE, |target, expected| {
             let point = target.point..target.point + 1;
             self.cpu.evaluate_in(target.cell, &queries.points[point], expected);
-        };
-        match are_alike(batch, values, TOLERANCE, expected) {
-            true => Ok(()),
-            false => Err(self.opened.connection.garbage("values unlike the CPU's")),
-        }
+        })
     }
 }
 
@@ -178,26 +211,6 @@ impl Field for Gpu {
         self.cpu.evaluate_where(queries, &mut values, |cell| !self.opened.limits.allow(cell));
         Ok(values)
     }
-}
-
-/// Whether most of a few points of a batch have the values that are expected, but for a
-/// tolerance.
-pub(super) fn are_alike(
-    batch: &Batch,
-    values: &[f32],
-    tolerance: f32,
-    expect: impl Fn(&Target, &mut [f32]),
-) -> bool {
-    const PROBES: usize = 8;
-    let step = batch.targets.len().div_ceil(PROBES).max(1);
-    let is_alike = |target: &Target| {
-        let found = &values[target.value..target.value + target.labels];
-        let mut expected = vec![0.0; target.labels];
-        expect(target, &mut expected);
-        found.iter().zip(&expected).all(|(f, e)| (f - e).abs() <= tolerance)
-    };
-    let probes: Vec<bool> = batch.targets.iter().step_by(step).map(is_alike).collect();
-    2 * probes.iter().filter(|is_alike| !**is_alike).count() <= probes.len()
 }
 
 /// f from W for all points of a batch; fails with a sum W that cannot be one.

@@ -7,7 +7,7 @@ use super::kernel::{Scratch, values};
 use super::packing::HermiteCell;
 use super::{Nodes, Options};
 use crate::error::Result;
-use crate::field::cpu::{CHUNK, Instructions};
+use crate::field::cpu::{Instructions, Lanewise, Piece, pieces, value_count};
 use crate::field::{Boundaries, Field, Queries};
 use crate::grid::samples::Values;
 use crate::label::Label;
@@ -18,13 +18,6 @@ pub struct Cpu {
     is_single: bool,
     unit: f64,
     instructions: Instructions,
-}
-
-/// Points in one cell, and where their values go.
-struct Job<'a> {
-    cell: &'a HermiteCell,
-    points: &'a [DVec3],
-    values: &'a mut [f32],
 }
 
 impl Cpu {
@@ -52,33 +45,26 @@ impl Cpu {
     /// When the queries' runs do not cover their points, or name no cell.
     pub(super) fn room_for(&self, queries: &Queries) -> Result<Vec<f32>> {
         queries.check(self.cells.len())?;
-        let labels = |cell: u32| self.cells[cell as usize].labels.len();
-        let count = queries.runs.iter().map(|run| run.points.len() * labels(run.cell)).sum();
-        Ok(vec![0.0; count])
+        Ok(vec![0.0; value_count(&self.cells, queries)])
     }
 
     /// The values in those cells that are wanted.
     pub(super) fn evaluate_where(
         &self,
         queries: &Queries,
-        mut values: &mut [f32],
-        wanted: impl Fn(&HermiteCell) -> bool,
+        values: &mut [f32],
+        wanted: impl Fn(&HermiteCell) -> bool + Sync,
     ) {
-        let mut jobs = Vec::new();
-        for run in &queries.runs {
-            let cell = &self.cells[run.cell as usize];
-            let own = values.split_off_mut(..run.points.len() * cell.labels.len());
-            let Some(own) = own.filter(|own| !own.is_empty() && wanted(cell)) else { continue };
-            let points = queries.points[run.points.clone()].chunks(CHUNK);
-            let parts = own.chunks_mut(CHUNK * cell.labels.len());
-            jobs.extend(points.zip(parts).map(|(points, values)| Job { cell, points, values }));
-        }
-        jobs.into_par_iter().for_each(|job| job.run(self.instructions));
+        pieces(&self.cells, queries, values)
+            .into_par_iter()
+            .filter(|piece| wanted(piece.cell))
+            .for_each(|piece| self.instructions.run(piece));
     }
 
     /// The values of a few points of one cell.
     pub(super) fn evaluate_in(&self, cell: u32, points: &[DVec3], values: &mut [f32]) {
-        Job { cell: &self.cells[cell as usize], points, values }.run(self.instructions);
+        let cell = &self.cells[cell as usize];
+        self.instructions.run(Piece { cell, points, values });
     }
 
     /// The same with a given instruction set, which the processor must have.
@@ -118,35 +104,7 @@ impl Field for Cpu {
     }
 }
 
-impl Job<'_> {
-    fn run(self, instructions: Instructions) {
-        match instructions {
-            Instructions::Baseline => self.run_baseline(),
-            // SAFETY: `detect` found these instructions on this processor.
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2 => unsafe { self.run_avx2() },
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx512 => unsafe { self.run_avx512() },
-        }
-    }
-
-    fn run_baseline(self) {
-        // 64-bit ARM always has a fused multiply and add.
-        self.run_lanes::<8, { cfg!(target_arch = "aarch64") }>();
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    fn run_avx2(self) {
-        self.run_lanes::<8, true>();
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx2,fma")]
-    fn run_avx512(self) {
-        self.run_lanes::<16, true>();
-    }
-
+impl Lanewise for Piece<'_, HermiteCell> {
     #[inline(always)]
     fn run_lanes<const N: usize, const FMA: bool>(self) {
         let labels = self.cell.labels.len();

@@ -9,9 +9,9 @@ use glam::DVec3;
 use super::Cpu;
 use super::packing::{HermiteCell, HermiteEdge};
 use crate::error::Result;
-use crate::field::gpu::batch::{Batch, GROUP, LaidOut, Target, batches};
+use crate::field::gpu::batch::{Batch, GROUP, LaidOut, batches};
 use crate::field::gpu::layout::DeviceFace;
-use crate::field::gpu::{Opened, are_alike};
+use crate::field::gpu::{Opened, Uploaded};
 use crate::field::{Field, Queries};
 use crate::gpu::Adapter;
 use crate::grid::samples::Values;
@@ -67,13 +67,6 @@ pub struct Gpu {
     opened: Arc<Opened>,
 }
 
-/// The cells that queries ask for, on the device.
-struct Uploaded {
-    /// Their numbers, sorted.
-    cells: Vec<u32>,
-    tables: Vec<wgpu::Buffer>,
-}
-
 /// Opens a GPU.
 ///
 /// # Errors
@@ -90,16 +83,10 @@ impl Gpu {
 
     fn upload(&self, queries: &Queries) -> Result<Uploaded> {
         let all = self.cpu.cells();
-        let mut cells: Vec<u32> = queries.runs.iter().map(|run| run.cell).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        cells.retain(|&cell| self.opened.limits.allow(&all[cell as usize]));
+        let cells = self.opened.wanted(all, queries);
         let mut tables = Tables::default();
         cells.iter().for_each(|&cell| tables.add(&all[cell as usize]));
-        let upload = |bytes| self.opened.connection.upload(bytes);
-        let tables = tables.contents().into_iter().map(upload).collect::<Result<_>>()?;
-        self.opened.connection.check()?;
-        Ok(Uploaded { cells, tables })
+        self.opened.upload(cells, &tables.contents())
     }
 
     /// Evaluates one batch into the values of the whole query.
@@ -114,7 +101,7 @@ impl Gpu {
         let mut jobs = Vec::with_capacity(batch.jobs.len());
         for job in &batch.jobs {
             jobs.push(DeviceJob {
-                cell: uploaded.cells.partition_point(|&cell| cell < job.cell) as u32,
+                cell: uploaded.place(job.cell),
                 first_point: job.first_point,
                 points: job.points,
                 first_value: job.first_value,
@@ -147,16 +134,13 @@ impl Gpu {
     /// Compares a few points with the CPU.
     fn spot_check(&self, queries: &Queries, batch: &Batch, values: &[f32]) -> Result<()> {
         let cells = self.cpu.cells();
-        let expected = |target: &Target, expected: &mut [f32]| {
-            let point = target.point..target.point + 1;
-            self.cpu.evaluate_in(target.cell, &queries.points[point], expected);
-        };
         let sizes = batch.targets.iter().map(|target| 1.0 / cells[target.cell as usize].scale);
         let largest = sizes.fold(0.0, f64::max) / self.cpu.unit();
-        match are_alike(batch, values, (TOLERANCE * largest) as f32, expected) {
-            true => Ok(()),
-            false => Err(self.opened.connection.garbage("values unlike the CPU's")),
-        }
+        let tolerance = (TOLERANCE * largest) as f32;
+        self.opened.spot_check(batch, values, tolerance, |target, expected| {
+            let point = target.point..target.point + 1;
+            self.cpu.evaluate_in(target.cell, &queries.points[point], expected);
+        })
     }
 }
 
