@@ -102,6 +102,8 @@ pub enum Remedy {
     Overlap,
     /// Another [`Rules::unknown`](crate::Rules), or none.
     UnknownLabel,
+    /// An [`ImageRules::spacing`](crate::section::ImageRules).
+    ImageSpacing,
     /// Other [`VdbContents::grids`](crate::io::vdb::VdbContents).
     OtherGrids,
 }
@@ -116,6 +118,7 @@ impl fmt::Display for Remedy {
             Self::NotStrict => " (an error because warnings are)",
             Self::Overlap => ", or say who wins",
             Self::UnknownLabel => "; give another label that means unknown, or none",
+            Self::ImageSpacing => "; give the spacing",
             Self::OtherGrids => ", or leave the grid out",
         })
     }

@@ -47,6 +47,8 @@ pub struct Inspection {
     pub labels: Vec<Content>,
     /// The sections of which something is unknown, in their order.
     pub unknown: Vec<Unknown>,
+    /// How files were understood where they leave a choice.
+    pub notes: Vec<Warning>,
     /// What was doubtful.
     pub warnings: Vec<Warning>,
     /// What was left out.
@@ -130,6 +132,7 @@ pub fn inspect(sections: &Sections) -> Result<Inspection> {
             .zip(&regions)
             .filter_map(|(section, regions)| unknown(section, regions))
             .collect(),
+        notes: sections.notes.clone(),
         warnings: sections.warnings.clone(),
         left_out: sections.left_out.clone(),
         disagreements: sections.disagreements(),
@@ -219,6 +222,9 @@ impl fmt::Display for Inspection {
         self.write_orientations(f)?;
         self.write_labels(f)?;
         self.write_unknown(f)?;
+        if !self.notes.is_empty() {
+            write_told(f, "notes", &self.notes)?;
+        }
         write_told(f, "left out", &self.left_out)?;
         write_told(f, "warnings", &self.warnings)?;
         self.write_disagreements(f)

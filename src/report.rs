@@ -51,6 +51,8 @@ pub struct Report {
     pub warnings: Vec<Warning>,
     /// What was left out of them.
     pub left_out: Vec<Warning>,
+    /// How files were understood where they leave a choice.
+    pub notes: Vec<Warning>,
     /// Where sections contradict each other along their common lines.
     pub disagreements: Vec<Disagreement>,
     /// What each stage took.
@@ -83,6 +85,7 @@ impl Report {
             check,
             warnings: sections.warnings.clone(),
             left_out: sections.left_out.clone(),
+            notes: sections.notes.clone(),
             disagreements: sections.disagreements(),
             stages: stages.stages.clone(),
             seconds: stages.seconds(),

@@ -1,6 +1,7 @@
 //! The arguments as text.
 
 mod compare_methods;
+mod images;
 mod online;
 mod slice;
 
@@ -24,6 +25,7 @@ use crate::picture::{self, Viewpoint};
 use crate::section::{Overlap, Rules, Sections};
 
 pub use compare_methods::CompareMethodsArguments;
+pub use images::ImageArguments;
 pub use online::{FrameKind, OnlineArguments};
 pub use slice::{AxisName, SliceArguments};
 
@@ -235,7 +237,7 @@ pub struct ThreadsArgument {
 
 #[derive(Debug, Args)]
 pub struct InputArguments {
-    /// Section files: .csl, .contour, .json
+    /// Section files: .csl, .contour, .json; volumes of labels: .nrrd, .nhdr, .nii, .nii.gz; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
     #[arg(required = true, value_name = "SECTIONS")]
     pub sections: Vec<PathBuf>,
     #[command(flatten)]
@@ -244,6 +246,7 @@ pub struct InputArguments {
 
 impl InputArguments {
     pub fn read(&self) -> crate::error::Result<Sections> {
+        self.reading.images.require_use(&self.sections)?;
         read_all(&self.sections, &self.reading.rules())
     }
 }
@@ -260,6 +263,9 @@ pub struct ReadingArguments {
     /// The label that means unknown in these files; 0 leaves only materials known
     #[arg(long, value_name = "ID", value_parser = clap::value_parser!(u32).range(..i64::from(u32::MAX)))]
     pub unknown_label: Option<u32>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub images: ImageArguments,
 }
 
 impl ReadingArguments {
@@ -270,7 +276,8 @@ impl ReadingArguments {
             OverlapName::Smallest => Overlap::Smallest,
         });
         let unknown = self.unknown_label.map(Label);
-        Rules { overlap, unknown, strict: self.strict, ..Rules::default() }
+        let images = self.images.rules();
+        Rules { overlap, unknown, strict: self.strict, images, ..Rules::default() }
     }
 }
 

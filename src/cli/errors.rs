@@ -25,6 +25,10 @@ fn option(remedy: Remedy) -> &'static str {
         Remedy::NotStrict => " (an error because warnings are, --strict)",
         Remedy::Overlap => ", or say who wins with --overlap first|last|smallest",
         Remedy::UnknownLabel => "; give another --unknown-label, or none",
+        Remedy::ImageSpacing => {
+            "; give it in world units with --spacing-xyz DX,DY,DZ, or DZ alone where pictures say \
+             the rest"
+        }
         Remedy::OtherGrids => ", or leave the grid out of --grids",
     }
 }

@@ -108,10 +108,11 @@ fn write_json<T: Serialize>(path: &Path, report: &T, out: &mut dyn Write) -> Res
         .map_err(|error| output::write_error(path, &error))
 }
 
-/// What was doubtful about sections, and left out of them.
+/// How files of sections were understood, what was doubtful about them, and left out.
 fn print_warnings(sections: &Sections) {
     let all = sections.warnings.iter().map(|warning| ("warning", warning));
     let all = all.chain(sections.left_out.iter().map(|left_out| ("left out", left_out)));
+    let all = sections.notes.iter().map(|note| ("note", note)).chain(all);
     print_first(all, "`transect inspect` lists them all");
 }
 

@@ -3,6 +3,7 @@
 pub mod contour;
 pub mod csl;
 pub mod exact;
+pub mod images;
 pub mod json;
 pub mod mesh;
 pub mod nifti;
@@ -28,7 +29,8 @@ use crate::section::{Findings, Rules, Section, Sections, Warning};
 pub use mesh::{read_mesh, write_mesh};
 
 /// The kinds of files that sections are read from.
-pub const KINDS: &str = ".csl, .contour, .json";
+pub const KINDS: &str = ".csl, .contour, .json, volumes of labels (.nrrd, .nhdr, .nii, .nii.gz) \
+                         and pictures (.png, .tif, .tiff, a folder of them)";
 
 /// Reads the sections of a file, its kind given by the ending of its name.
 ///
@@ -46,22 +48,34 @@ pub fn read_sections(path: &Path, rules: &Rules) -> Result<Sections> {
 /// # Errors
 /// As [`read_sections`].
 pub fn read_part(path: &Path, rules: &Rules) -> Result<Sections> {
+    let mut sections = match path {
+        path if path.is_dir() => images::read_folder(path, rules)?,
+        path if images::is_image(path) => images::read_files(&[path.to_owned()], rules)?,
+        path if volume::is_volume(path) => images::read_slices(path, rules)?,
+        path => read_drawing(path, rules)?,
+    };
+    sections.files = vec![path.to_owned()];
+    Ok(sections)
+}
+
+/// Reads a file of contours.
+fn read_drawing(path: &Path, rules: &Rules) -> Result<Sections> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let read: fn(&str, &Path, &Rules) -> Result<Sections> = match ending.as_str() {
         "csl" => csl::read,
         "contour" => contour::read,
         "json" => json::read,
+        _ if images::is_lossy(path) => return Err(Error::file(path, images::LOSSY)),
         _ => {
             let what = format!("this kind of file is not known: sections are read from {KINDS}");
             return Err(Error::file(path, what));
         }
     };
-    let mut sections = read(&read_text(path)?, path, rules)?;
-    sections.files = vec![path.to_owned()];
-    Ok(sections)
+    read(&read_text(path)?, path, rules)
 }
 
-/// Reads the sections of several files as one set.
+/// Reads the sections of several files as one set. Pictures that are named one by one are one
+/// stack.
 ///
 /// # Errors
 /// As [`read_sections`], and where the files do not go together.
@@ -69,8 +83,18 @@ pub fn read_all(paths: &[PathBuf], rules: &Rules) -> Result<Sections> {
     if let [path] = paths {
         return read_sections(path, rules);
     }
-    let parts = paths.iter().map(|path| read_part(path, rules)).collect::<Result<Vec<_>>>()?;
-    let mut sections = Sections::join(parts, rules)?;
+    let is_slice = |path: &&PathBuf| images::is_image(path) && !path.is_dir();
+    let (slices, others): (Vec<&PathBuf>, Vec<&PathBuf>) = paths.iter().partition(is_slice);
+    let slices: Vec<PathBuf> = slices.into_iter().cloned().collect();
+    let others = others.into_iter().map(|path| read_part(path, rules));
+    let mut parts = others.collect::<Result<Vec<_>>>()?;
+    if !slices.is_empty() {
+        parts.push(images::read_files(&slices, rules)?);
+    }
+    let mut sections = match parts.len() {
+        1 => parts.remove(0),
+        _ => Sections::join(parts, rules)?,
+    };
     sections.expect_unknown(rules)?;
     Ok(sections)
 }

@@ -197,7 +197,7 @@ impl Storage {
     }
 }
 
-fn label(number: f64) -> Option<u32> {
+pub(super) fn label(number: f64) -> Option<u32> {
     let whole = number.fract() == 0.0 && (0.0..f64::from(Label::UNKNOWN.0)).contains(&number);
     whole.then_some(number as u32)
 }

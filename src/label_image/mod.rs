@@ -5,6 +5,7 @@
 //! pixels ─► outlines ─► mpu (fit) ─► curves ─► trace ─► simplify ─► Section
 //! ```
 
+mod changes;
 mod curves;
 mod fit;
 mod mpu;

@@ -6,6 +6,7 @@ mod draft;
 pub mod ends;
 mod extent;
 mod graph;
+mod images;
 mod loops;
 mod normals;
 mod overlay;
@@ -33,6 +34,7 @@ pub use agreement::Disagreement;
 pub use builder::SectionBuilder;
 pub use ends::End;
 pub(crate) use extent::COVERED;
+pub use images::{ImageRules, Spacing, VolumeAxis};
 pub(crate) use ray::{Here, Ray, Target};
 pub use rectangle::Rectangle;
 pub use regions::Region;
@@ -166,6 +168,8 @@ pub struct Sections {
     pub warnings: Vec<Warning>,
     /// What was left out (degenerate loops, for one).
     pub left_out: Vec<Warning>,
+    /// How files were understood where they leave a choice; nothing doubtful.
+    pub notes: Vec<Warning>,
     /// The largest distance of a vertex off its plane as the files give it, in
     /// world units; vertices are put on their planes.
     pub off_plane: f64,
@@ -210,6 +214,8 @@ pub struct Rules {
     pub unknown: Option<Label>,
     /// Whether every warning is an error.
     pub strict: bool,
+    /// What files of images do not say themselves.
+    pub images: ImageRules,
 }
 
 impl Rules {
@@ -221,7 +227,8 @@ impl Rules {
 
 impl Default for Rules {
     fn default() -> Self {
-        Self { tolerance: 1e-3, overlap: None, unknown: None, strict: false }
+        let images = ImageRules::default();
+        Self { tolerance: 1e-3, overlap: None, unknown: None, strict: false, images }
     }
 }
 

@@ -104,6 +104,7 @@ impl Sections {
         }
         self.warnings.append(&mut part.warnings);
         self.left_out.append(&mut part.left_out);
+        self.notes.append(&mut part.notes);
         self.off_plane = self.off_plane.max(part.off_plane);
         self.unknown_occurs |= part.unknown_occurs;
         self.files.append(&mut part.files);
@@ -134,7 +135,7 @@ impl Sections {
     pub(crate) fn begin_names(&mut self, prefix: &str) {
         let full = |name: &mut String| name.insert_str(0, prefix);
         self.sections.iter_mut().for_each(|section| full(&mut section.name));
-        let told = self.warnings.iter_mut().chain(&mut self.left_out);
+        let told = self.warnings.iter_mut().chain(&mut self.left_out).chain(&mut self.notes);
         told.for_each(|warning| full(&mut warning.section));
     }
 

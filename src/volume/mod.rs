@@ -2,11 +2,17 @@
 //! the world.
 
 mod cut;
+mod drawn;
+mod slices;
 
 use glam::{DMat3, DVec3};
 
 use crate::label::{Label, Material};
 use crate::plane::Bounds;
+
+pub(crate) use drawn::{Shown, shown};
+pub use slices::Slices;
+pub(crate) use slices::nth;
 
 /// Below this part of what a box of the same steps would have, the voxels'
 /// volume counts as none.
