@@ -31,7 +31,7 @@ use crate::plane::{Bounds, Plane};
 use crate::progress::Progress;
 use crate::section::{Section, Sections};
 use crate::skeleton::{Details, Kept as KeptSurfaces};
-use crate::stack::stacked;
+use crate::stack::{Links, Stacked, stacked};
 use crate::stage::Stages;
 use crate::variational::smoothing::{KeptSmoothing, smoothed};
 use crate::variational::specks::remove_specks;
@@ -88,6 +88,8 @@ pub struct Derived {
     pub device: String,
     /// What else an exact reconstruction says.
     pub exact: Option<Details>,
+    /// The parts of a stack that are linked, or would be.
+    pub links: Option<Links>,
     /// What making the mesh simpler did.
     pub decimation: Option<Outcome>,
     /// The mesh leaf by leaf, for the next one.
@@ -254,7 +256,16 @@ impl Ground<'_> {
         })?;
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
-        Ok(Derived { complex: None, samples, mesh, device, exact: None, decimation: None, blocks })
+        Ok(Derived {
+            complex: None,
+            samples,
+            mesh,
+            device,
+            exact: None,
+            links: None,
+            decimation: None,
+            blocks,
+        })
     }
 
     /// Evaluates the mean-value field in the cells between the sections.
@@ -327,6 +338,7 @@ impl Ground<'_> {
             mesh,
             device,
             exact: None,
+            links: None,
             decimation: None,
             blocks,
         })
@@ -385,6 +397,7 @@ impl Ground<'_> {
             mesh,
             device,
             exact: None,
+            links: None,
             decimation: None,
             blocks,
         })
@@ -399,16 +412,25 @@ impl Ground<'_> {
     ) -> Result<Derived> {
         let Self { sections, frame, .. } = self;
         let capping = Capping::new(sections, method.caps, Label::OUTSIDE, frame.lattice.voxel)?;
-        let mut samples = stages.run("field", |counts| {
-            let samples = stacked(&capping.sections, frame, progress)?;
-            counts.insert("leaves".into(), samples.valued.len() as u64);
-            debug_assert_eq!(samples.sanity_check(), Ok(()));
-            Ok(samples)
+        let Stacked { mut samples, links } = stages.run("field", |counts| {
+            let made = stacked(&capping.sections, frame, method.link, progress)?;
+            counts.insert("leaves".into(), made.samples.valued.len() as u64);
+            debug_assert_eq!(made.samples.sanity_check(), Ok(()));
+            Ok(made)
         })?;
         self.cut(&mut samples, &capping, stages, progress)?;
         let (mesh, blocks) = self.mesh(&samples, &method.mesher, stages, progress)?;
         let device = format!("cpu (threads: {})", rayon::current_num_threads());
-        Ok(Derived { complex: None, samples, mesh, device, exact: None, decimation: None, blocks })
+        Ok(Derived {
+            complex: None,
+            samples,
+            mesh,
+            device,
+            exact: None,
+            links: Some(links),
+            decimation: None,
+            blocks,
+        })
     }
 
     /// Cuts samples off where the solid ends.
@@ -488,6 +510,7 @@ impl Ground<'_> {
             mesh: made.mesh,
             device,
             exact,
+            links: None,
             decimation: None,
             blocks,
         })

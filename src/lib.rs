@@ -117,7 +117,7 @@ mod sets;
 pub mod skeleton;
 pub mod slice;
 pub mod slots;
-mod stack;
+pub mod stack;
 pub mod stage;
 pub mod sweep;
 pub mod variational;

@@ -93,10 +93,23 @@ pub struct Skeleton {
 /// are outside.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShapeBased {
+    /// Whether parts are linked that overlap nothing of their label on the next section. Without,
+    /// they are told ([`Links`](crate::stack::Links)) and stay apart.
+    pub link: Option<Linking>,
     /// As in [`Variational`].
     pub caps: Caps,
     /// How the surface is made from the samples.
     pub mesher: Mesher,
+}
+
+/// How parts are linked that do not overlap: a connected part of a label on a section that
+/// overlaps none of it on the next section, and one there that overlaps none back, which matches
+/// it when it is moved.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Linking {
+    /// How far a part moves at most, in world units; twice the distance between its two
+    /// sections when it is not given.
+    pub farthest: Option<f64>,
 }
 
 /// How an exact surface is made fair.

@@ -9,6 +9,7 @@ use crate::mesh::decimation::Outcome;
 use crate::model::{Derived, Model};
 use crate::section::{Disagreement, Warning};
 use crate::skeleton::Details;
+use crate::stack::Links;
 use crate::stage::{Stage, Stages};
 
 /// The version of the JSON form.
@@ -42,6 +43,9 @@ pub struct Report {
     /// What an exact reconstruction says besides.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<Details>,
+    /// The parts of a stack that are linked, or would be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub links: Option<Links>,
     /// What making the surface simpler did, when it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub decimation: Option<Outcome>,
@@ -81,6 +85,7 @@ impl Report {
             nodes: derived.samples.lattice.dims,
             voxel: derived.samples.lattice.voxel,
             exact: derived.exact.clone(),
+            links: derived.links.clone(),
             decimation: derived.decimation,
             check,
             warnings: sections.warnings.clone(),
@@ -100,6 +105,12 @@ impl Report {
     pub fn found(&self) -> Vec<Warning> {
         let short = self.decimation.and_then(|outcome| outcome.shortfall());
         let short = short.map(|what| Warning { section: String::new(), what });
-        self.check.warnings(&self.materials).into_iter().chain(short).collect()
+        let found = self.check.warnings(&self.materials);
+        found.into_iter().chain(short).chain(self.unlinked()).collect()
+    }
+
+    /// That parts of a stack were not linked which could be; among what was [`found`](Self::found).
+    pub fn unlinked(&self) -> Option<Warning> {
+        self.links.as_ref().and_then(|links| links.warning(&self.materials))
     }
 }

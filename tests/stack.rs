@@ -86,7 +86,7 @@ fn every_cap_closes_it() {
     let mut volumes = Vec::new();
     for caps in [Caps::None, Caps::Rounded, Caps::Flat] {
         for mesher in [Mesher::Dual, Mesher::Delaunay(Default::default())] {
-            let method = ShapeBased { caps, mesher };
+            let method = ShapeBased { caps, mesher, link: None };
             let model = model(cone(DQuat::IDENTITY), 48, method).expect("a stack");
             let check = checked(&model);
             let facts = &check.labels[0].facts;

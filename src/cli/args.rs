@@ -128,14 +128,21 @@ pub struct MethodArguments {
     #[arg(long, value_enum)]
     pub device: Option<DeviceName>,
     /// With --method skeleton: make the surface fair, contours fixed, with edges of this length in world units [default: 0.65 % of the box, whatever the resolution]
-    #[serde(serialize_with = "fairness")]
+    #[serde(serialize_with = "length_or_none")]
     #[arg(long, value_name = "LENGTH", num_args = 0..=1, value_parser = positive)]
     pub fair: Option<Option<f64>>,
+    /// With --method stack: connect parts that overlap nothing of their label on the next section with parts there that match when they are moved, by up to this distance in world units [default: twice the distance between the two sections]
+    #[serde(serialize_with = "length_or_none")]
+    #[arg(long, value_name = "DISTANCE", num_args = 0..=1, value_parser = positive)]
+    pub link: Option<Option<f64>>,
 }
 
-/// Whether a surface is made fair, and to what length of edges where that is given.
-fn fairness<S: Serializer>(fair: &Option<Option<f64>>, serializer: S) -> Result<S::Ok, S::Error> {
-    match fair {
+/// Whether something is done, and with what length where that is given.
+fn length_or_none<S: Serializer>(
+    given: &Option<Option<f64>>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    match given {
         None => serializer.serialize_none(),
         Some(None) => serializer.serialize_bool(true),
         Some(Some(length)) => serializer.serialize_f64(*length),

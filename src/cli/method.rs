@@ -5,7 +5,9 @@ use super::args::{BorderName, CapsName, DeviceName, MesherName, MethodArguments,
 use crate::error::{Error, Result};
 use crate::field::hermite;
 use crate::label::Label;
-use crate::method::{Caps, Fairing, Hermite, MeanValue, Method, ShapeBased, Skeleton, Variational};
+use crate::method::{
+    Caps, Fairing, Hermite, Linking, MeanValue, Method, ShapeBased, Skeleton, Variational,
+};
 use crate::skeleton;
 
 /// The method that arguments ask for, with exact coordinates or without.
@@ -39,6 +41,7 @@ pub fn method(arguments: &MethodArguments, exact: bool) -> Result<Method> {
             mesher: arguments.meshing.mesher()?,
         }),
         MethodName::Stack => Method::Stack(ShapeBased {
+            link: arguments.link.map(|farthest| Linking { farthest }),
             caps: caps(arguments)?,
             mesher: arguments.meshing.mesher()?,
         }),
@@ -90,6 +93,7 @@ fn refuse_unused(arguments: &MethodArguments, exact: bool) -> Result<()> {
         ("--density", arguments.density.is_some(), &[Hermite]),
         ("--fair", arguments.fair.is_some(), &[Skeleton]),
         ("--exact", exact, &[Skeleton]),
+        ("--link", arguments.link.is_some(), &[Stack]),
         ("--device", arguments.device.is_some(), of_field),
         ("--box unknown", is_open(arguments), of_field),
         ("--caps rounded", has_caps(CapsName::Rounded), of_grid),

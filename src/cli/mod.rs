@@ -28,6 +28,7 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::ffi::threads;
 use crate::output;
+use crate::report::Report;
 use crate::section::{Sections, Warning};
 use args::{Arguments, Command};
 
@@ -116,8 +117,16 @@ fn print_warnings(sections: &Sections) {
     print_first(all, "`transect inspect` lists them all");
 }
 
-/// What a result must be read with.
-fn print_found(warnings: &[Warning]) {
+/// What a result must be read with, and by which option that may be helped.
+fn print_found(report: &Report) {
+    let unlinked = report.unlinked();
+    let with_option = |mut warning: Warning| {
+        if unlinked.as_ref() == Some(&warning) {
+            warning.what.push_str("; --link connects them");
+        }
+        warning
+    };
+    let warnings: Vec<Warning> = report.found().into_iter().map(with_option).collect();
     print_first(warnings.iter().map(|warning| ("warning", warning)), "--report lists them all");
 }
 

@@ -297,7 +297,7 @@ impl<'a> Online<'a> {
         }
         outputs.commit()?;
         if !self.arguments.quiet {
-            print_found(&report.check.warnings(&report.materials));
+            print_found(&report);
             table::print(&report);
         }
         Ok(())

@@ -75,7 +75,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     watcher.finish();
     outputs.commit()?;
     if !arguments.quiet {
-        print_found(&report.found());
+        print_found(&report);
         table::print(&report);
     }
     Ok(())

@@ -3,9 +3,11 @@
 use std::fmt::Write;
 
 use crate::compare::Comparison;
+use crate::label::Material;
 use crate::report::Report;
 use crate::section::Disagreement;
 use crate::skeleton::Details;
+use crate::stack::Links;
 use crate::stage::Stage;
 
 mod crosscheck;
@@ -20,6 +22,8 @@ pub use methods::methods;
 const LABELS: usize = 24;
 /// How many contradictions are shown.
 const CONTRADICTIONS: usize = 5;
+/// How many links are shown.
+const LINKS: usize = 5;
 
 /// Prints a report to stderr.
 pub fn print(report: &Report) {
@@ -81,6 +85,9 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
     if thin > 0 {
         writeln!(out, "too thin for the grid: {thin} contour vertices (--report lists them)")?;
     }
+    if let Some(links) = report.links.as_ref().filter(|links| links.connected) {
+        write_links(out, links, &report.materials)?;
+    }
     if let Some(exact) = &report.exact {
         return write_contradictions(out, exact);
     }
@@ -93,6 +100,30 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
             "{disagreements} pairs of sections contradict each other along their common line \
              (`transect inspect` lists them)"
         )?;
+    }
+    Ok(())
+}
+
+/// The first of the links.
+fn write_links(
+    out: &mut String,
+    Links { found, .. }: &Links,
+    materials: &[Material],
+) -> std::fmt::Result {
+    writeln!(out, "links            {} between parts that do not overlap", found.len())?;
+    for link in found.iter().take(LINKS) {
+        let ([from, to], name) = (&link.sections, link.name(materials));
+        let [x, y, z] = link.at.map(number);
+        writeln!(
+            out,
+            "  {name} at ({x}, {y}, {z}) from {from} to {to}, moved by {}, overlapping by {:.2} then",
+            number(link.length),
+            link.overlap
+        )?;
+    }
+    let rest = found.len().saturating_sub(LINKS);
+    if rest > 0 {
+        writeln!(out, "  … and {rest} more (--report lists them)")?;
     }
     Ok(())
 }

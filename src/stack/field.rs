@@ -1,5 +1,6 @@
 //! The field of one label in a stack.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -12,11 +13,15 @@ use crate::label::Label;
 
 use super::slices::{Place, Slices};
 use super::spline::Spline;
+use super::tube::Tube;
+
+/// How far a label leads or falls behind within a tube and beside it at most, in voxels. That
+/// is nearer than samples give a label up.
+const MOST_DEPTH: f64 = 7.0;
 
 /// The signed distances to a label's contours on all slices, interpolated.
-pub struct StackField<'a> {
+pub struct Columns<'a> {
     label: Label,
-    lattice: Lattice,
     slices: &'a Slices<'a>,
     spline: &'a Spline,
     /// How far it is rounded beyond the first slice and beyond the last, in voxels.
@@ -24,10 +29,20 @@ pub struct StackField<'a> {
     /// For every slice and every pixel the distance, and the slope of its column.
     values: Vec<Vec<f32>>,
     slopes: Vec<Vec<f32>>,
+}
+
+/// A label's columns among those of all labels, with its tubes.
+pub struct StackField<'a> {
+    /// Which of all columns are its own.
+    own: usize,
+    all: &'a [Columns<'a>],
+    /// Those between each slice and the next.
+    tubes: &'a [Vec<Tube>],
+    lattice: Lattice,
     grid: LeafGrid,
 }
 
-impl<'a> StackField<'a> {
+impl<'a> Columns<'a> {
     /// Of a label; `labels` are those of every slice's pixels.
     ///
     /// # Errors
@@ -36,7 +51,6 @@ impl<'a> StackField<'a> {
         (slices, spline): (&'a Slices<'a>, &'a Spline),
         label: Label,
         labels: &[Vec<Label>],
-        lattice: Lattice,
         radii: [f64; 2],
         go_on: impl Fn() -> Result<()>,
     ) -> Result<Self> {
@@ -55,8 +69,7 @@ impl<'a> StackField<'a> {
         let values: Vec<Vec<f32>> = both.filter_map(|(own, missing)| own.or(missing)).collect();
         go_on()?;
         let slopes = slopes(spline, &values, slices.pixels());
-        let grid = LeafGrid::new([0; 3], lattice.dims);
-        Ok(Self { label, lattice, slices, spline, radii, values, slopes, grid })
+        Ok(Self { label, slices, spline, radii, values, slopes })
     }
 
     /// The value at a place: of its column, or between the four around it.
@@ -99,11 +112,64 @@ impl<'a> StackField<'a> {
         let narrowing = (sign * if end == 0 { -slope } else { slope }).min(0.0);
         sign * rounded(sign * own + narrowing * beyond[end], beyond[end], self.radii[end])
     }
+}
+
+impl<'a> StackField<'a> {
+    /// Of the label that has the `own` columns among those of all.
+    pub fn new(
+        own: usize,
+        all: &'a [Columns<'a>],
+        tubes: &'a [Vec<Tube>],
+        lattice: Lattice,
+    ) -> Self {
+        Self { own, all, tubes, lattice, grid: LeafGrid::new([0; 3], lattice.dims) }
+    }
+
+    fn place(&self, point: DVec3) -> Place {
+        self.all[self.own].slices.place(point)
+    }
+
+    /// The value at a place: that of the columns, or, where a tube passes, such a one that the
+    /// label wins within the tube and nothing changes beside it.
+    fn value(&self, place: Place) -> f64 {
+        let columns = &self.all[self.own];
+        let own = columns.value(place);
+        let Some((interval, part)) = columns.spline.place_within(place.height) else { return own };
+        self.tubes[interval].iter().fold(own, |own, tube| {
+            let (depth, owns) = (tube.depth(place.pixel, part), tube.owns(place.pixel));
+            let Some(depth) = depth.or(owns.then_some(-MOST_DEPTH)) else { return own };
+            self.with_tube((own, owns), place, tube.label, depth.clamp(-MOST_DEPTH, MOST_DEPTH))
+        })
+    }
+
+    /// A value where a tube of a label passes so near, or is so deep. In columns that the tube
+    /// owns the part ends nowhere but in the tube.
+    fn with_tube(&self, (value, owns): (f64, bool), place: Place, label: Label, depth: f64) -> f64 {
+        let is_own = self.all[self.own].label == label;
+        match (self.all.len(), is_own, owns) {
+            // Outside has no columns then, and its holes are where there is nothing.
+            (1, true, true) => depth,
+            (1, true, false) => value.max(depth),
+            (1, false, true) => -depth,
+            (1, false, false) => value.min(-depth),
+            (_, false, _) => value,
+            (_, true, _) => {
+                let others = (self.all.iter().enumerate()).filter(|(at, _)| *at != self.own);
+                let most = others.map(|(_, columns)| columns.value(place));
+                let most = most.fold(f64::NEG_INFINITY, f64::max);
+                // As where two labels have one contour in common, they differ by twice the
+                // distance.
+                let least = (-MOST_DEPTH).min(most - 1.0);
+                let tube = (most + 2.0 * depth).max(least);
+                if owns { tube } else { value.max(tube) }
+            }
+        }
+    }
 
     fn leaf(&self, leaf: [i32; 3]) -> LeafNodes {
         let value = |node| {
             let point = self.lattice.position(node_of(leaf, node));
-            self.value(self.slices.place(point)) as f32
+            self.value(self.place(point)) as f32
         };
         std::array::from_fn::<f32, LEAF_NODES, _>(value)
     }
@@ -167,11 +233,11 @@ fn slopes(spline: &Spline, values: &[Vec<f32>], pixels: usize) -> Vec<Vec<f32>> 
 
 impl NodeField for StackField<'_> {
     fn label(&self) -> Label {
-        self.label
+        self.all[self.own].label
     }
 
     fn rough(&self, node: [i32; 3]) -> f32 {
-        self.value(self.slices.place(self.lattice.position(node))) as f32
+        self.value(self.place(self.lattice.position(node))) as f32
     }
 
     fn ensure(&mut self, leaves: Vec<[i32; 3]>) {

@@ -40,7 +40,12 @@ impl Image {
     /// Smooths away from the curve. No mean is taken across it, so it stays exactly where it is.
     /// Beyond the image is what is on its border.
     pub fn filtered(&self) -> Self {
-        let scale = self.width.max(self.height()) as f64 / UNIT_PIXELS;
+        self.filtered_as(self.width.max(self.height()))
+    }
+
+    /// The same as a part of an image whose longest side has so many pixels.
+    pub fn filtered_as(&self, longest: usize) -> Self {
+        let scale = longest as f64 / UNIT_PIXELS;
         let far = self.separated(LARGEST * scale);
         let value = |(index, &own): (usize, &f32)| {
             let distance = f64::from(own.abs());

@@ -13,17 +13,25 @@
 //! about halfway; so it does beyond the first and the last slice, rounded with that radius.
 //!
 //! Two slices of a part that do not overlap are not connected, the limit that the paper names.
+//! Which parts do not overlap anything of their label ([`parts`]) and match when they are moved
+//! ([`matching`]) is told; where they are to be linked, the part moves from one slice to the next
+//! while it becomes the other ([`tube`]).
 //!
 //! ```text
 //! sections ─► slices ─► filter ─► spline ─► field ─► grid::assembly ─► Samples
+//!                  └► parts ─► matching ─► tube ─┘
 //! ```
 
 mod field;
 mod filter;
+mod links;
+mod matching;
+mod parts;
 mod slices;
 mod spline;
+mod tube;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::error::{Remedy, Result};
 use crate::grid::assembly::assemble;
@@ -33,20 +41,37 @@ use crate::grid::memory::require_bytes;
 use crate::grid::samples::Samples;
 use crate::grid::sampling::Starts;
 use crate::label::Label;
+use crate::method::Linking;
 use crate::progress::Progress;
 use crate::section::{Section, reach};
 use crate::variational::labels;
 
-use field::StackField;
+use field::{Columns, StackField};
+use matching::{Pair, pairs};
+use parts::{Part, Parts};
 use slices::Slices;
 use spline::Spline;
+use tube::Tube;
+
+pub use links::{Link, Links};
 
 /// Of a pixel of every slice: its distance and its slope for a label, and besides what is said
 /// there, and slopes twice while they are found.
 const BYTES_PER_LABEL: u64 = 8;
 const BYTES_PER_PIXEL: u64 = 8;
 
-/// The samples of a stack in a box whose faces are outside.
+/// How far a part moves at most, if nothing is said, in distances between its two slices.
+const FARTHEST: f64 = 2.0;
+
+/// What a stack makes.
+pub(crate) struct Stacked {
+    /// Its samples.
+    pub samples: Samples,
+    /// The parts that are linked, or would be.
+    pub links: Links,
+}
+
+/// The samples of a stack in a box whose faces are outside, with links or without.
 ///
 /// # Errors
 /// When sections are not a stack: not parallel, fewer than two, or partly unknown; or when their
@@ -54,8 +79,9 @@ const BYTES_PER_PIXEL: u64 = 8;
 pub(crate) fn stacked(
     sections: &[Section],
     frame: &Frame,
+    linking: Option<Linking>,
     progress: &dyn Progress,
-) -> Result<Samples> {
+) -> Result<Stacked> {
     let lattice = frame.lattice;
     let slices = Slices::new(sections, &lattice)?;
     let materials = labels(sections);
@@ -66,16 +92,85 @@ pub(crate) fn stacked(
     })?;
     progress.begin("field", materials.len() as u64);
     let drawn: Vec<Vec<Label>> = (0..count).map(|slice| slices.labels(slice)).collect();
+    let linked = Linked::new(&slices, &drawn, linking, progress)?;
     let spline = Spline::new(slices.heights.clone());
     let reaches = reach::reaches(sections);
     let radii = slices.ends().map(|end| 0.5 * reaches[end] / lattice.voxel);
-    let mut fields = Vec::with_capacity(materials.len());
+    let mut columns = Vec::with_capacity(materials.len());
     for label in materials {
         let go_on = || progress.go_on();
-        fields.push(StackField::new((&slices, &spline), label, &drawn, lattice, radii, go_on)?);
+        columns.push(Columns::new((&slices, &spline), label, &drawn, radii, go_on)?);
         progress.advance(1);
     }
+    let field = |own| StackField::new(own, &columns, &linked.tubes, lattice);
+    let fields = (0..columns.len()).map(field).collect();
     let contours: Vec<[DVec3; 2]> = sections.iter().flat_map(segments).collect();
     let starts = Starts::along(&contours, &lattice).leaves();
-    Ok(assemble(fields, starts, lattice, None))
+    Ok(Stacked { samples: assemble(fields, starts, lattice, None), links: linked.links })
+}
+
+/// The links of a stack.
+struct Linked {
+    links: Links,
+    /// For every slice those to the next one; none where parts are not to be linked.
+    tubes: Vec<Vec<Tube>>,
+}
+
+impl Linked {
+    fn new(
+        slices: &Slices,
+        drawn: &[Vec<Label>],
+        linking: Option<Linking>,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let connected = linking.is_some();
+        let farthest = linking.and_then(|linking| linking.farthest);
+        let parts = Parts::new(drawn, slices.width());
+        let mut own = Self { links: Links { connected, found: Vec::new() }, tubes: Vec::new() };
+        for lower in 0..drawn.len() - 1 {
+            progress.go_on()?;
+            let farthest = farthest.map_or_else(
+                || FARTHEST * (slices.heights[lower + 1] - slices.heights[lower]),
+                |farthest| farthest / slices.voxel(),
+            );
+            let (links, tubes) = between(slices, &parts, lower, farthest).into_iter().unzip();
+            own.links.found.extend::<Vec<Link>>(links);
+            own.tubes.push(if connected { tubes } else { Vec::new() });
+        }
+        Ok(own)
+    }
+}
+
+/// The links from a slice to the next one, of parts that move by less than so many pixels.
+fn between(slices: &Slices, parts: &Parts, lower: usize, farthest: f64) -> Vec<(Link, Tube)> {
+    let [below, above] = [parts.loose(lower, lower + 1), parts.loose(lower + 1, lower)];
+    let mut labels: Vec<Label> = below.iter().map(|part| part.label).collect();
+    labels.sort_unstable();
+    labels.dedup();
+    let of_label = |label: Label| {
+        let own = |parts: &[Part]| {
+            parts.iter().filter(|part| part.label == label).cloned().collect::<Vec<Part>>()
+        };
+        let [below, above] = [own(&below), own(&above)];
+        let link = |pair: &Pair| {
+            let both = [&below[pair.from], &above[pair.to]];
+            let tube = Tube::new(slices, lower, both, pair)?;
+            Some((told(slices, lower, both[0], pair), tube))
+        };
+        pairs(&below, &above, farthest).iter().filter_map(link).collect::<Vec<_>>()
+    };
+    labels.into_iter().flat_map(of_label).collect()
+}
+
+fn told(slices: &Slices, lower: usize, part: &Part, pair: &Pair) -> Link {
+    let step = DVec2::from_array(pair.step.map(f64::from));
+    let [at, moved] = [part.middle, part.middle + step].map(|pixel| slices.point_at(lower, pixel));
+    Link {
+        label: part.label.0,
+        sections: [lower, lower + 1].map(|slice| slices.name(slice).to_owned()),
+        at: at.to_array(),
+        translation: (moved - at).to_array(),
+        length: at.distance(moved),
+        overlap: pair.overlap,
+    }
 }

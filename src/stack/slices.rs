@@ -13,6 +13,7 @@ use crate::segments::{Hint, SegmentTree};
 use crate::variational::plane_samples::{Region, plane_samples};
 
 use super::filter::Image;
+use super::parts::Part;
 
 /// Fewer have nothing between them.
 const FEWEST: usize = 2;
@@ -129,9 +130,24 @@ impl<'a> Slices<'a> {
 
     /// A pixel of a slice in space.
     fn point(&self, slice: usize, pixel: [i32; 2]) -> DVec3 {
-        let [u, v] =
-            [0, 1].map(|axis| f64::from(self.first[axis] + pixel[axis]) * self.sides[axis]);
-        self.origin + self.voxel * (u + v + self.heights[slice] * self.normal)
+        self.point_at(slice, DVec2::from_array(pixel.map(f64::from)))
+    }
+
+    /// The same of any place on a slice, in pixels.
+    pub fn point_at(&self, slice: usize, pixel: DVec2) -> DVec3 {
+        let DVec2 { x, y } = pixel + DVec2::from_array(self.first.map(f64::from));
+        let along = x * self.sides[0] + y * self.sides[1];
+        self.origin + self.voxel * (along + self.heights[slice] * self.normal)
+    }
+
+    /// What a slice is called.
+    pub fn name(&self, slice: usize) -> &str {
+        self.sections[slice].name()
+    }
+
+    /// A voxel's side in world units.
+    pub fn voxel(&self) -> f64 {
+        self.voxel
     }
 
     /// What a slice says at every pixel.
@@ -178,5 +194,43 @@ impl<'a> Slices<'a> {
         };
         let rows = labels.par_chunks(self.count[0]).enumerate().flat_map_iter(row);
         Some(Image { width: self.count[0], values: rows.collect() })
+    }
+
+    /// How far pixels of a rectangle are from the contours of a part of a slice alone, smoothed
+    /// as distances on the slice are. `None` without contours.
+    pub fn distances_of(
+        &self,
+        slice: usize,
+        part: &Part,
+        first: [i32; 2],
+        [width, height]: [usize; 2],
+    ) -> Option<Image> {
+        let section = self.sections[slice];
+        let edges = section.edges().iter();
+        let edges = edges.filter(|edge| [edge.left, edge.right].contains(&part.label));
+        let segments = edges.map(|edge| [edge.start, edge.end].map(|end| section.point(end)));
+        // A contour passes between pixels of its part and others.
+        let is_own = |[start, end]: &[DVec3; 2]| {
+            let [x, y] = self.place(0.5 * (start + end)).pixel.round().to_array();
+            let [x, y] = [x as i32, y as i32];
+            (-1..=1).any(|up| (-1..=1).any(|right| part.has([x + right, y + up])))
+        };
+        let segments: Vec<[DVec3; 2]> = segments.filter(is_own).collect();
+        if segments.is_empty() {
+            return None;
+        }
+        let tree = SegmentTree::new(segments);
+        let row = |up: usize| {
+            let mut hint = Hint::default();
+            let distance = |right: usize| {
+                let pixel = [first[0] + right as i32, first[1] + up as i32];
+                let distance = tree.distance(self.point(slice, pixel), &mut hint) / self.voxel;
+                (if part.has(pixel) { distance } else { -distance }) as f32
+            };
+            (0..width).map(distance).collect::<Vec<f32>>()
+        };
+        let values = (0..height).into_par_iter().flat_map_iter(row).collect();
+        let longest = self.count[0].max(self.count[1]);
+        Some(Image { width, values }.filtered_as(longest))
     }
 }

@@ -120,6 +120,12 @@ impl Spline {
         (interval, part.clamp(0.0, 1.0))
     }
 
+    /// The same; none beyond the ends.
+    pub fn place_within(&self, height: f64) -> Option<(usize, f64)> {
+        let ends = self.heights[0]..=self.heights[self.heights.len() - 1];
+        ends.contains(&height).then(|| self.place(height))
+    }
+
     /// A column's value in an interval, between two values with slopes.
     pub fn value(&self, (interval, part): (usize, f64), values: [f64; 2], slopes: [f64; 2]) -> f64 {
         let width = self.width(interval);
