@@ -505,3 +505,45 @@ fn the_exact_method_refuses_what_has_no_meaning_for_it() {
     refused(&["--spacing", "0.1"], "--method mvc");
     refused(&["--method", "skeleton", "--fair", "--exact", &exact], "--fair");
 }
+
+#[test]
+fn parts_that_do_not_overlap_are_linked_on_request() {
+    let folder = folder();
+    let square = |x: i32, height: i32| {
+        let corner = |[right, up]: [i32; 2]| format!("[{}, {up}, {height}]", x + right);
+        let points = [[0, 0], [2, 0], [2, 2], [0, 2]].map(corner).join(", ");
+        format!(
+            r#"{{"name": "s{height}", "normal": [0, 0, 1], "offset": {height},
+                "loops": [{{"label": 1, "points": [{points}]}}]}}"#
+        )
+    };
+    let sections = [square(0, 0), square(3, 2), square(6, 4)].join(",");
+    let file = folder.path().join("leaning.json");
+    let text = format!(r#"{{"transect": "sections", "version": 1, "sections": [{sections}]}}"#);
+    fs::write(&file, text).expect("it is written");
+    let reconstruct = |method: &str, more: &[&str]| {
+        let mut command = transect();
+        command.arg("reconstruct").args(["--resolution", "48", "--method", method]).args(more);
+        command.arg("--report").arg(folder.path().join("report.json"));
+        run(command.arg("-o").arg(folder.path().join("leaning.ply")).arg("--").arg(&file))
+    };
+    let report = || json(&folder.path().join("report.json"));
+    let pieces = || report()["check"]["labels"][0]["components"].clone();
+
+    let output = reconstruct("stack", &[]);
+    assert_done(&output);
+    let said = stderr(&output);
+    assert!(said.contains("s0 to s2") && said.contains("--link connects them"), "{said}");
+    assert_eq!((pieces(), report()["links"]["connected"].clone()), (3.into(), false.into()));
+    assert!(!report()["warnings"].to_string().contains("--link"));
+
+    let output = reconstruct("stack", &["--link"]);
+    assert_done(&output);
+    assert!(stderr(&output).contains("links            2 between parts"), "{}", stderr(&output));
+    assert_eq!((pieces(), report()["links"]["connected"].clone()), (1.into(), true.into()));
+    assert_eq!(report()["links"]["found"].as_array().map(Vec::len), Some(2));
+
+    assert_done(&reconstruct("stack", &["--link", "2.5", "--quiet"]));
+    assert_eq!(pieces(), 3);
+    assert_refused(&reconstruct("variational", &["--link"]), &["--link", "--method stack"]);
+}

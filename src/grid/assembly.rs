@@ -12,7 +12,7 @@ use super::samples::{LEAF_NODES, LEAF_SIDE, LabelValues, Lattice, Samples, Value
 
 /// A label whose field is lower than this all over a leaf, in voxels, is not kept
 /// there: it is farther away than the leaf's nodes are from each other.
-const FAR: f32 = -(LEAF_SIDE as f32);
+pub const FAR: f32 = -(LEAF_SIDE as f32);
 /// What *outside* is in a leaf that it is not near to.
 static FAR_LEAF: LeafNodes = [FAR; LEAF_NODES];
 /// What is beyond a closed box.
@@ -25,6 +25,11 @@ pub trait NodeField: Send + Sync {
     fn label(&self) -> Label;
     /// The value of a node, roughly where no leaf is near.
     fn rough(&self, node: [i32; 3]) -> f32;
+    /// Whether its surface, or what is near to it, may be in a leaf; by default where its value
+    /// is no distance too far from the surface in the leaf's middle.
+    fn may_be_in(&self, leaf: [i32; 3]) -> bool {
+        self.rough(middle(leaf)) > FAR
+    }
     /// Gives values to leaves, if they have none.
     fn ensure(&mut self, leaves: Vec<[i32; 3]>);
     /// The values that leaves were given.
@@ -60,7 +65,7 @@ pub fn assemble<F: NodeField>(
 }
 
 /// The node that stands for a leaf.
-fn middle(leaf: [i32; 3]) -> [i32; 3] {
+pub fn middle(leaf: [i32; 3]) -> [i32; 3] {
     leaf.map(|along| along * LEAF_SIDE as i32 + LEAF_SIDE as i32 / 2)
 }
 
@@ -97,8 +102,8 @@ impl<F: NodeField> Assembly<F> {
     /// Gives leaves the values of all labels that are near.
     fn take(&mut self, leaves: &[[i32; 3]]) {
         for field in &mut self.fields {
-            let near = leaves.iter().copied().filter(|&leaf| field.rough(middle(leaf)) > FAR);
-            let near: Vec<[i32; 3]> = near.collect();
+            let near: Vec<[i32; 3]> =
+                leaves.par_iter().copied().filter(|&leaf| field.may_be_in(leaf)).collect();
             field.ensure(near);
             let is_open = self.open.is_some();
             leaves.iter().for_each(|&leaf| settle(field, &self.lattice, is_open, leaf));

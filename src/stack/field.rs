@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::grid::assembly::NodeField;
+use crate::grid::assembly::{FAR, NodeField, middle};
 use crate::grid::invariant::node_of;
 use crate::grid::leaf::LeafNodes;
 use crate::grid::leaf_grid::{LeafGrid, NO_SLOT};
@@ -18,6 +18,9 @@ use super::tube::Tube;
 /// How far a label leads or falls behind within a tube and beside it at most, in voxels. That
 /// is nearer than samples give a label up.
 const MOST_DEPTH: f64 = 7.0;
+
+/// Half a leaf's diagonal, in halves of a voxel.
+const STEPS: i32 = 14;
 
 /// The signed distances to a label's contours on all slices, interpolated.
 pub struct Columns<'a> {
@@ -238,6 +241,16 @@ impl NodeField for StackField<'_> {
 
     fn rough(&self, node: [i32; 3]) -> f32 {
         self.value(self.place(self.lattice.position(node))) as f32
+    }
+
+    /// Along the stack values change faster than distances do, the more the closer its slices
+    /// are: all heights of the leaf are looked at in its middle.
+    fn may_be_in(&self, leaf: [i32; 3]) -> bool {
+        let Place { pixel, height } = self.place(self.lattice.position(middle(leaf)));
+        (-STEPS..=STEPS).any(|step| {
+            let height = height + 0.5 * f64::from(step);
+            self.value(Place { pixel, height }) as f32 > FAR
+        })
     }
 
     fn ensure(&mut self, leaves: Vec<[i32; 3]>) {
