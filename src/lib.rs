@@ -80,6 +80,7 @@
 mod capping;
 pub mod change;
 pub mod check;
+pub mod choice;
 mod cli;
 pub mod compare;
 pub mod complex;

@@ -4,6 +4,7 @@
 use serde::Serialize;
 
 use crate::check::Check;
+use crate::choice::Choice;
 use crate::ffi::measure::library_versions;
 use crate::mesh::decimation::Outcome;
 use crate::model::{Derived, Model};
@@ -34,6 +35,9 @@ pub struct Report {
     pub frame: String,
     /// The names of the materials, by number.
     pub materials: Vec<crate::label::Material>,
+    /// The method that was chosen and why, where that was left to the program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choice: Option<Choice>,
     /// What evaluated the field.
     pub device: String,
     /// The grid's nodes along each axis.
@@ -81,6 +85,7 @@ impl Report {
             units: sections.units.clone(),
             frame: sections.frame.clone(),
             materials: sections.materials.clone(),
+            choice: None,
             device: derived.device.clone(),
             nodes: derived.samples.lattice.dims,
             voxel: derived.samples.lattice.voxel,

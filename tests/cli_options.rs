@@ -547,3 +547,58 @@ fn parts_that_do_not_overlap_are_linked_on_request() {
     assert_eq!(pieces(), 3);
     assert_refused(&reconstruct("variational", &["--link"]), &["--link", "--method stack"]);
 }
+
+#[test]
+fn a_method_is_chosen_by_the_sections_and_the_options() {
+    let folder = folder();
+    let slice = |height: i32, side: f64| {
+        format!(
+            r#"{{"name": "s{height}", "normal": [0, 0, 1], "offset": {height},
+                "loops": [{{"label": 1, "points": [[0, 0, {height}], [{side}, 0, {height}],
+                           [{side}, 9, {height}], [0, 9, {height}]]}}]}}"#
+        )
+    };
+    let file = folder.path().join("prism.json");
+    let sections = [slice(0, 9.0), slice(3, 8.8), slice(6, 8.9)].join(",");
+    let text = format!(r#"{{"transect": "sections", "version": 1, "sections": [{sections}]}}"#);
+    fs::write(&file, text).expect("it is written");
+    let reconstruct = |input: &Path, more: &[&str]| {
+        let mut command = transect();
+        command.arg("reconstruct").args(["--resolution", "24", "--method", "auto"]).args(more);
+        command.arg("--report").arg(folder.path().join("report.json"));
+        run(command.arg("-o").arg(folder.path().join("prism.ply")).arg("--").arg(input))
+    };
+    let choice = || json(&folder.path().join("report.json"))["choice"].clone();
+
+    let output = reconstruct(&file, &[]);
+    assert_done(&output);
+    let said = stderr(&output);
+    assert!(said.contains("method: stack, because all 3 sections are parallel"), "{said}");
+    assert_eq!(choice()["method"], "stack");
+    assert_eq!(choice()["reasons"].as_array().map(Vec::len), Some(2));
+    let output = reconstruct(&phantom(), &[]);
+    assert_done(&output);
+    let said = stderr(&output);
+    assert!(said.contains("method: variational, because sections are not parallel"), "{said}");
+
+    // Options decide before the sections do.
+    for (options, method) in [
+        (&["--box", "unknown"][..], "variational"),
+        (&["--device", "cpu"], "variational"),
+        (&["--link"], "stack"),
+        (&["--caps", "none", "--mesher", "delaunay"], "stack"),
+    ] {
+        assert_done(&reconstruct(&file, options));
+        assert_eq!(choice()["method"], method, "{options:?}");
+    }
+    assert_refused(&reconstruct(&file, &["--fair"]), &["--fair", "does not choose"]);
+    assert_refused(&reconstruct(&file, &["--smooth", "1"]), &["--smooth", "name the method"]);
+    assert_refused(&reconstruct(&file, &["--link", "--box", "unknown"]), &["--link"]);
+    assert_refused(&reconstruct(&file, &["--facet-size", "1"]), &["--mesher delaunay"]);
+    let mut command = transect();
+    let online = run(command.args(["online", "--method", "auto"]));
+    assert_refused(&online, &["one by one: name a method"]);
+    let mut command = transect();
+    let compared = run(command.args(["compare-methods", "--methods", "auto,stack"]).arg(&file));
+    assert_refused(&compared, &["auto", "leave it out"]);
+}

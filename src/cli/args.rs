@@ -96,7 +96,7 @@ pub struct ReconstructArguments {
 #[derive(Debug, Clone, Args, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MethodArguments {
-    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, hermite interpolates distances with their gradients, skeleton the nearest section, exactly, stack interpolates distances between parallel sections
+    /// How space between the sections is filled: variational is the smoothest field through the contours, mvc the mean-value indicator, hermite interpolates distances with their gradients, skeleton the nearest section, exactly, stack interpolates distances between parallel sections; auto chooses variational or stack by what the sections are, and says why
     #[arg(long, value_enum, default_value_t = MethodName::Variational)]
     pub method: MethodName,
     #[command(flatten)]
@@ -395,6 +395,7 @@ pub struct CrosscheckArguments {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MethodName {
+    Auto,
     Variational,
     Mvc,
     Hermite,
@@ -406,6 +407,7 @@ impl MethodName {
     /// As it is given.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Variational => "variational",
             Self::Mvc => "mvc",
             Self::Hermite => "hermite",

@@ -22,6 +22,10 @@ pub fn run(arguments: &CompareMethodsArguments) -> Result<()> {
     if let Some(path) = arguments.output.as_ref().filter(|path| !is_png(path)) {
         return Err(Error::file(path, "what is written is one picture of all methods: .png"));
     }
+    if arguments.methods.contains(&MethodName::Auto) {
+        let what = "--methods tries methods by their names, and auto is one of them: leave it out";
+        return Err(Error::Option(what.to_owned()));
+    }
     let mut outputs = Outputs::reserve(known.map(|path| path.as_path()))?;
     super::limit_threads(arguments.threads.count)?;
     let watcher = Watcher::new(arguments.quiet);
@@ -66,7 +70,7 @@ fn is_png(path: &std::path::Path) -> bool {
 /// A method with its own default options.
 fn method(name: MethodName) -> Method {
     match name {
-        MethodName::Variational => Method::Variational(Variational::default()),
+        MethodName::Auto | MethodName::Variational => Method::Variational(Variational::default()),
         MethodName::Mvc => Method::MeanValue(MeanValue::default()),
         MethodName::Hermite => Method::Hermite(Hermite::default()),
         MethodName::Skeleton => Method::Skeleton(Skeleton::default()),

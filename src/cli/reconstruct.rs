@@ -3,11 +3,12 @@
 
 use super::args::{PictureArguments, ReconstructArguments};
 use super::bars::Watcher;
-use super::method::method;
+use super::method::{asked, chosen};
 use super::results::{Results, picture_options};
 use super::targets::{Kind, Target};
 use super::{print_found, print_warnings, table, write_json};
 use crate::change::Change;
+use crate::choice::choose;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::io::exact::write_exact;
@@ -23,10 +24,9 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let grids =
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
     let resolution = arguments.method.grid.resolution();
-    let method = method(&arguments.method, arguments.exact.is_some())?;
+    let asked = asked(&arguments.method, arguments.exact.is_some())?;
     let decimation = arguments.decimate;
     require_rounded(arguments)?;
-    let options = Options { method, resolution, bounds: None, decimation };
     require_picture(&arguments.picture, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
     super::limit_threads(arguments.threads.count)?;
@@ -47,7 +47,14 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         files.iter().try_for_each(|(path, _)| outputs.add(path))?;
     }
     let picture = picture_options(&arguments.picture, &sections.materials)?;
-    let mut model = Model::new(options);
+    let (method, choice) = match asked {
+        Some(asked) => asked,
+        None => chosen(&arguments.method, false, choose(&sections, resolution)?)?,
+    };
+    if let Some(choice) = choice.as_ref().filter(|_| !arguments.quiet) {
+        eprintln!("method: {}, because {}", choice.method.name(), choice.reasons.join(" and "));
+    }
+    let mut model = Model::new(Options { method, resolution, bounds: None, decimation });
     model.apply(Change::Add(sections), &mut context)?;
     let results = Results::new(&model, &grids, picture)?;
     let checked = model.check(&mut context)?;
@@ -68,7 +75,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
             })
         })?;
     }
-    let report = Report::new(&model, derived, checked, &stages);
+    let report = Report { choice, ..Report::new(&model, derived, checked, &stages) };
     if let Some(path) = &arguments.report {
         outputs.write(path, |out| write_json(path, &report, out))?;
     }

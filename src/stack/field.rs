@@ -19,6 +19,9 @@ use super::tube::Tube;
 /// is nearer than samples give a label up.
 const MOST_DEPTH: f64 = 7.0;
 
+/// A tube near a place: its label, how deep the place is in it, and whether it owns the column.
+type Near = (Label, f64, bool);
+
 /// Half a leaf's diagonal, in halves of a voxel.
 const STEPS: i32 = 14;
 
@@ -136,37 +139,60 @@ impl<'a> StackField<'a> {
     /// label wins within the tube and nothing changes beside it.
     fn value(&self, place: Place) -> f64 {
         let columns = &self.all[self.own];
-        let own = columns.value(place);
-        let Some((interval, part)) = columns.spline.place_within(place.height) else { return own };
-        self.tubes[interval].iter().fold(own, |own, tube| {
-            let (depth, owns) = (tube.depth(place.pixel, part), tube.owns(place.pixel));
-            let Some(depth) = depth.or(owns.then_some(-MOST_DEPTH)) else { return own };
-            self.with_tube((own, owns), place, tube.label, depth.clamp(-MOST_DEPTH, MOST_DEPTH))
+        let Some((interval, part)) = columns.spline.place_within(place.height) else {
+            return columns.value(place);
+        };
+        let near = |tube: &Tube| {
+            let owns = tube.owns(place.pixel);
+            let depth = tube.depth(place.pixel, part).or(owns.then_some(-MOST_DEPTH))?;
+            Some((tube.label, depth.clamp(-MOST_DEPTH, MOST_DEPTH), owns))
+        };
+        let tubes: Vec<Near> = self.tubes[interval].iter().filter_map(near).collect();
+        match (tubes.is_empty(), self.all.len()) {
+            (true, _) => columns.value(place),
+            (_, 1) => self.alone(place, &tubes),
+            _ => self.among_others(place, &tubes),
+        }
+    }
+
+    /// The value of the only label near tubes. Outside has no columns then, and its holes are
+    /// where there is nothing.
+    fn alone(&self, place: Place, tubes: &[Near]) -> f64 {
+        let columns = &self.all[self.own];
+        tubes.iter().fold(columns.value(place), |value, &(label, depth, owns)| {
+            match (label == columns.label, owns) {
+                (true, true) => depth,
+                (true, false) => value.max(depth),
+                (false, true) => -depth,
+                (false, false) => value.min(-depth),
+            }
         })
     }
 
-    /// A value where a tube of a label passes so near, or is so deep. In columns that the tube
-    /// owns the part ends nowhere but in the tube.
-    fn with_tube(&self, (value, owns): (f64, bool), place: Place, label: Label, depth: f64) -> f64 {
-        let is_own = self.all[self.own].label == label;
-        match (self.all.len(), is_own, owns) {
-            // Outside has no columns then, and its holes are where there is nothing.
-            (1, true, true) => depth,
-            (1, true, false) => value.max(depth),
-            (1, false, true) => -depth,
-            (1, false, false) => value.min(-depth),
-            (_, false, _) => value,
-            (_, true, _) => {
-                let others = (self.all.iter().enumerate()).filter(|(at, _)| *at != self.own);
-                let most = others.map(|(_, columns)| columns.value(place));
-                let most = most.fold(f64::NEG_INFINITY, f64::max);
-                // As where two labels have one contour in common, they differ by twice the
-                // distance.
-                let least = (-MOST_DEPTH).min(most - 1.0);
-                let tube = (most + 2.0 * depth).max(least);
-                if owns { tube } else { value.max(tube) }
-            }
+    /// The value of one of several labels near tubes. Tubes of labels that touch are measured
+    /// against the same others, so that no gap opens between them.
+    fn among_others(&self, place: Place, tubes: &[Near]) -> f64 {
+        let is_owned = tubes.iter().any(|&(_, _, owns)| owns);
+        // In columns that a tube owns, its part goes on in the tube and nowhere else, and nor do
+        // parts beside it that have tubes as well.
+        let said = |columns: &Columns| {
+            let mut own = tubes.iter().filter(|tube| tube.0 == columns.label).peekable();
+            let (has_tube, owns) = (own.peek().is_some(), own.any(|&(_, _, owns)| owns));
+            let value = columns.value(place);
+            (!owns && (value > 0.0 || !has_tube || !is_owned)).then_some(value)
+        };
+        let own = &self.all[self.own];
+        let mut value = said(own).unwrap_or(f64::NEG_INFINITY);
+        let mut depths = tubes.iter().filter(|tube| tube.0 == own.label).peekable();
+        if depths.peek().is_none() {
+            return value;
         }
+        let most = self.all.iter().filter_map(said).reduce(f64::max).unwrap_or(0.0);
+        for &(_, depth, _) in depths {
+            // As where two labels have one contour in common, they differ by twice the distance.
+            value = value.max((most + 2.0 * depth).max((-MOST_DEPTH).min(most - 1.0)));
+        }
+        value
     }
 
     fn leaf(&self, leaf: [i32; 3]) -> LeafNodes {

@@ -37,11 +37,13 @@ use crate::error::{Remedy, Result};
 use crate::grid::assembly::assemble;
 use crate::grid::contour::segments;
 use crate::grid::frame::Frame;
+use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_bytes;
-use crate::grid::samples::Samples;
+use crate::grid::samples::{Lattice, Samples};
 use crate::grid::sampling::Starts;
 use crate::label::Label;
 use crate::method::Linking;
+use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::{Section, reach};
 use crate::variational::labels;
@@ -62,6 +64,9 @@ const BYTES_PER_PIXEL: u64 = 8;
 
 /// How far a part moves at most, if nothing is said, in distances between its two slices.
 const FARTHEST: f64 = 2.0;
+
+/// How finely slices are looked at to find what they have in common.
+const PIXELS_FOR_OVERLAP: Resolution = Resolution::Voxels(128);
 
 /// What a stack makes.
 pub(crate) struct Stacked {
@@ -107,6 +112,27 @@ pub(crate) fn stacked(
     let contours: Vec<[DVec3; 2]> = sections.iter().flat_map(segments).collect();
     let starts = Starts::along(&contours, &lattice).leaves();
     Ok(Stacked { samples: assemble(fields, starts, lattice, None), links: linked.links })
+}
+
+/// What neighbours of a stack have in common of their materials' area, in a box: twice that over
+/// the sum of both areas, label by label and all neighbours pooled. 1 where there is nothing.
+///
+/// # Errors
+/// As [`stacked`].
+pub(crate) fn overlap(sections: &[Section], bounds: Bounds) -> Result<f64> {
+    let slices = Slices::new(sections, &Lattice::new(bounds, PIXELS_FOR_OVERLAP)?)?;
+    let drawn: Vec<Vec<Label>> =
+        (0..slices.heights.len()).map(|slice| slices.labels(slice)).collect();
+    let area = |labels: &[Label]| labels.iter().filter(|label| label.is_material()).count();
+    let in_common = |[one, other]: [&[Label]; 2]| {
+        let both = one.iter().zip(other);
+        both.filter(|(one, other)| one == other && one.is_material()).count()
+    };
+    let pairs = drawn.windows(2).map(|pair| [&*pair[0], &*pair[1]]);
+    let [common, areas] = pairs.fold([0, 0], |[common, areas], pair| {
+        [common + in_common(pair), areas + area(pair[0]) + area(pair[1])]
+    });
+    Ok(if areas == 0 { 1.0 } else { 2.0 * common as f64 / areas as f64 })
 }
 
 /// The links of a stack.
