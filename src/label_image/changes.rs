@@ -24,11 +24,11 @@ impl LabelImage {
         let high = [(high[0] + 2).min(*width), (high[1] + 2).min(*height)];
         let rows = (low[1]..high[1]).map(|y| &labels[y * width..][low[0]..high[0]]);
         let cropped: Vec<u32> = rows.flatten().copied().collect();
-        let Self { placement: ImagePlacement { origin, steps }, curves, .. } = self;
+        let ImagePlacement { origin, steps } = self.placement;
         let origin = origin + low[0] as f64 * steps[0] + low[1] as f64 * steps[1];
         let size = [high[0] - low[0], high[1] - low[1]];
         let placement = ImagePlacement { origin, steps };
-        Self { pixels: Pixels { size, labels: cropped }, placement, curves }
+        Self { pixels: Pixels { size, labels: cropped }, placement }
     }
 
     /// The same with other labels, each by the one that it was.
@@ -42,12 +42,12 @@ impl LabelImage {
     /// # Errors
     /// When its pixels have no area then.
     pub fn scaled(self, [x, y, _]: [f64; 3], z: f64) -> std::result::Result<Self, String> {
-        let Self { pixels: Pixels { size, labels }, placement, curves } = self;
+        let Self { pixels: Pixels { size, labels }, placement } = self;
         let ImagePlacement { origin, steps } = placement;
         let factors = DVec3::new(x, y, 1.0);
         let origin = origin * factors + DVec3::new(0.0, 0.0, z);
         let steps = steps.map(|step| step * factors);
-        Ok(Self::new(size, labels, ImagePlacement { origin, steps })?.with_curves(curves))
+        Self::new(size, labels, ImagePlacement { origin, steps })
     }
 
     /// Whether no pixel has a label.

@@ -35,7 +35,6 @@ const STRAIGHT: f64 = 0.05;
 pub struct LabelImage {
     pixels: Pixels,
     placement: ImagePlacement,
-    curves: CurveOptions,
 }
 
 /// Where pixels are: pixel (i, j) has its centre at `origin + i · steps[0] + j · steps[1]`.
@@ -70,18 +69,11 @@ impl LabelImage {
                 placement.origin
             ));
         }
-        let curves = CurveOptions::default();
-        Ok(Self { pixels: Pixels { size, labels }, placement, curves })
-    }
-
-    /// The same with curves that follow its pixels more closely, or less.
-    #[must_use]
-    pub fn with_curves(self, curves: CurveOptions) -> Self {
-        Self { curves, ..self }
+        Ok(Self { pixels: Pixels { size, labels }, placement })
     }
 
     /// The section that the pixels show: the plane through their centres, with smooth contours
-    /// between pixels of different labels. Beyond the image is outside, so what reaches its border
+    /// between pixels of different labels, as closely as the rules say. Beyond the image is outside, so what reaches its border
     /// ends there, half a pixel beyond the last centres.
     ///
     /// # Errors
@@ -97,7 +89,7 @@ impl LabelImage {
             let points: Vec<DVec3> = contours.points.iter().map(place).collect();
             Section::from_graph(name, plane, &points, &contours.edges, diagonal, rules)
         };
-        let contours = contours(&self.pixels, &self.curves);
+        let contours = contours(&self.pixels, &rules.images.curves);
         // Curves that nearly touch may cross when they have fewer points.
         section(&contours.simplified(STRAIGHT)).or_else(|_| section(&contours))
     }

@@ -1,5 +1,7 @@
 //! How images and volumes of labels are read as sections.
 
+use crate::label_image::CurveOptions;
+
 /// What files of images do not say themselves. The default is for files that do.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ImageRules {
@@ -9,6 +11,8 @@ pub struct ImageRules {
     pub axis: Option<VolumeAxis>,
     /// Of the slices there are, every so many-th counts, from the first; 0 is 1.
     pub every: usize,
+    /// How closely contours follow pixels.
+    pub curves: CurveOptions,
 }
 
 /// How far pixels and slices of a stack of pictures are apart, in world units.

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::positive;
 use crate::error::{Error, Result};
 use crate::io::images::is_image;
 use crate::io::volume::is_volume;
+use crate::label_image::CurveOptions;
 use crate::section::{ImageRules, Spacing, VolumeAxis};
 
 #[derive(Debug, Clone, Args, Serialize)]
@@ -25,6 +27,14 @@ pub struct ImageArguments {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub every: Option<u32>,
+    /// Where a contour misses the border of pixels by more than this, in pixels, it follows it more closely, as far as --curve-support lets it [default: 0.75]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[arg(long, value_name = "PIXELS", value_parser = positive)]
+    pub curve_tolerance: Option<f64>,
+    /// How far each piece of a contour reaches at least, in pixels; farther is smoother. Corners and thin parts are spared [default: 24]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[arg(long, value_name = "PIXELS", value_parser = positive)]
+    pub curve_support: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
@@ -58,6 +68,14 @@ impl ImageArguments {
                  leave it out",
             );
         }
+        let curves = [("tolerance", self.curve_tolerance), ("support", self.curve_support)];
+        let given = curves.iter().find(|(_, own)| own.is_some());
+        if let Some((name, _)) = given.filter(|_| !has_pictures && !has_volume) {
+            return refused(&format!(
+                "--curve-{name} is about volumes of labels and stacks of pictures, and none is \
+                 read: leave it out"
+            ));
+        }
         Ok(())
     }
 
@@ -70,10 +88,15 @@ impl ImageArguments {
             VolumeAxisName::Y => VolumeAxis::World(1),
             VolumeAxisName::Z => VolumeAxis::World(2),
         });
+        let curves = CurveOptions::default();
         ImageRules {
             spacing: self.spacing_xyz,
             axis,
             every: self.every.map_or(1, |every| every as usize),
+            curves: CurveOptions {
+                tolerance: self.curve_tolerance.unwrap_or(curves.tolerance),
+                support: self.curve_support.unwrap_or(curves.support),
+            },
         }
     }
 }
