@@ -104,7 +104,8 @@ fn volumes(sections: Sections) -> Vec<f64> {
     check.labels.iter().map(|label| label.facts.volume).collect()
 }
 
-/// The ball and both its halves, within parts of their volume.
+/// The ball and both its halves, within parts of their volume. Where they meet is known to half a
+/// pixel, which is 2 % of a half.
 fn assert_ball(sections: Sections, [whole, halves]: [f64; 2]) {
     let volumes = volumes(sections);
     let half = 2.0 / 3.0 * PI * RADIUS.powi(3);
@@ -132,7 +133,7 @@ fn a_folder_of_pictures_is_a_stack() {
     let middle = center() - DVec3::Z * 2.0 * SPACING[2];
     let reach = (bounds.max - middle).max(middle - bounds.min);
     assert!((reach.truncate() - RADIUS).abs().max_element() < 0.3, "{reach}");
-    assert_ball(sections, [0.03, 0.04]);
+    assert_ball(sections, [0.03, 0.05]);
 }
 
 #[test]
@@ -213,7 +214,7 @@ fn missing_and_empty_pictures_are_unknown() {
     let sections = read(folder.path(), &Rules { images, ..Rules::default() });
     assert_eq!(sections.sections.len(), 9);
     assert!(sections.notes[0].what.contains("empty ones show is unknown"));
-    assert_ball(sections, [0.03, 0.04]);
+    assert_ball(sections, [0.03, 0.05]);
 }
 
 /// An NRRD of what is drawn of the ball.
