@@ -6,16 +6,16 @@
 //! filtering and interpolation, Volume Graphics 2006.
 //!
 //! On every slice each label has the signed distance to its contours, exactly and at every pixel
-//! (§2.2, [`slices`]); creases of it that are far from the contours are smoothed (§2.3,
-//! [`filter`]); and along each column of pixels a cubic spline goes through them that does not
-//! overshoot (§2.4, [`spline`]). The label with the largest value wins, so no gap opens between
+//! (§2.2, `slices`); creases of it that are far from the contours are smoothed (§2.3,
+//! `filter`); and along each column of pixels a cubic spline goes through them that does not
+//! overshoot (§2.4, `spline`). The label with the largest value wins, so no gap opens between
 //! labels. Where a slice shows nothing of a label that its neighbour shows, the label ends
 //! about halfway; so it does beyond the first and the last slice, rounded with that radius.
 //!
 //! Two slices of a part that do not overlap are not connected, the limit that the paper names.
-//! Which parts do not overlap anything of their label ([`parts`]) and match when they are moved
-//! ([`matching`]) is told; where they are to be linked, the part moves from one slice to the next
-//! while it becomes the other ([`tube`]).
+//! Which parts do not overlap anything of their label (`parts`) and match when they are moved
+//! (`matching`) is told; where they are to be linked, the part moves from one slice to the next
+//! while it becomes the other (`tube`).
 //!
 //! ```text
 //! sections ─► slices ─► filter ─► spline ─► field ─► grid::assembly ─► Samples
