@@ -1,8 +1,9 @@
 //! The contours of an image: smooth curves instead of pixels' outlines, none lost and none new.
 //!
 //! Every outline of every label is fitted by itself ([`super::mpu`]), so that small parts are not
-//! lost in large ones, and each pixel near it gets the curve's value; the label with the largest
-//! value wins, so no gap opens between labels. Then each outline is accounted for: where one did
+//! lost in large ones, and each pixel near it gets the curve's value. What is outside is said by
+//! its own curves, which run on smoothly where two materials meet on them; elsewhere the material
+//! with the largest value wins, so no gap opens between labels. Then each outline is accounted for: where one did
 //! not come back exactly once, pixels around there keep their labels, and the contour runs within
 //! half a pixel of their outline.
 
@@ -120,15 +121,16 @@ impl<'a> Curves<'a> {
         for (&at, near) in &self.near {
             let [x, y] = at;
             if (0..width).contains(&x) && (0..height).contains(&y) {
+                let own = near.iter().map(|&(number, _)| self.all[number].label);
+                let is_outside = own.clone().any(|label| label == 0) && self.value(0, at) > 0.0;
                 // Of equals the smaller one, whatever their order.
-                let values = near.iter().map(|&(number, _)| {
-                    let label = self.all[number].label;
-                    (self.value(label, at), label)
-                });
+                let values =
+                    own.filter(|&label| label > 0).map(|label| (self.value(label, at), label));
                 let more = |best: (f64, u32), next: (f64, u32)| {
                     if (next.0, best.1) > (best.0, next.1) { next } else { best }
                 };
-                let winner = values.reduce(more).map_or(0, |(_, label)| label);
+                let best = values.reduce(more).filter(|_| !is_outside);
+                let winner = best.map_or(0, |(_, label)| label);
                 labels.labels[y as usize * width as usize + x as usize] = winner;
             }
         }
@@ -138,8 +140,13 @@ impl<'a> Curves<'a> {
     /// Where the labels of two neighbours change between them, as a part of the way.
     fn crossing(&self, labels: &Pixels, from: At, to: At) -> f64 {
         let sides = [labels.label(from), labels.label(to)];
-        let lead = |at: At| self.value(sides[0], at) - self.value(sides[1], at);
-        let [before, after] = [lead(from), lead(to)];
+        // Where one is outside its curve alone counts, as for the labels.
+        let lead = |[one, other]: [f64; 2]| match sides {
+            [0, _] => one,
+            [_, 0] => -other,
+            _ => one - other,
+        };
+        let [before, after] = [from, to].map(|at| lead(sides.map(|label| self.value(label, at))));
         let part = before / (before - after);
         let linear = if part.is_finite() { part } else { 0.5 };
         // Along the curves themselves, where both are known all the way.
@@ -155,7 +162,7 @@ impl<'a> Curves<'a> {
         let [start, end] = [center(from), center(to)];
         let lead = |part: f64| {
             let at = start.lerp(end, part);
-            Some(one.value(at)? - other.value(at)?)
+            Some(lead([one.value(at)?, other.value(at)?]))
         };
         let mut ends = [0.0, 1.0];
         for _ in 0..STEPS {

@@ -160,6 +160,10 @@ fn labels_leave_no_gaps() {
         let part = area(&found) / (std::f64::consts::PI * 1600.0 / 3.0);
         assert!(found.len() == 1 && (part - 1.0).abs() < 0.01, "{label}: {part}");
     }
+    // Where two meet on the border of the disc there is no notch in it.
+    let rim = loops(&section, 0).concat();
+    let off = farthest(&rim, |at| at.distance(center) - 40.0);
+    assert!(rim.len() > 40 && off < HALF_PIXEL / 2.0, "{off}");
     let ends = |edge: &crate::section::Edge| [edge.start, edge.end];
     let mut degrees = vec![0; section.vertices().len()];
     section.edges().iter().flat_map(ends).for_each(|end| degrees[end as usize] += 1);

@@ -117,10 +117,15 @@ impl<F: Fn(At, At) -> f64> Tracer<F> {
         }
     }
 
-    /// All crossings meet in their middle.
+    /// All crossings meet in the middle of those with outside, whose contour runs on smoothly
+    /// where two materials meet on it; of all where there are none.
     fn junction(&mut self, crossings: &[(u32, [u32; 2])]) {
-        let points = crossings.iter().map(|&(point, _)| self.contours.points[point as usize]);
-        let middle = points.sum::<DVec2>() / crossings.len() as f64;
+        let outer = crossings.iter().filter(|(_, sides)| sides.contains(&0));
+        let outer: Vec<u32> = outer.map(|&(point, _)| point).collect();
+        let all = || crossings.iter().map(|&(point, _)| point).collect();
+        let meeting = if outer.is_empty() { all() } else { outer };
+        let points = meeting.iter().map(|&point| self.contours.points[point as usize]);
+        let middle = points.sum::<DVec2>() / meeting.len() as f64;
         let middle = self.add(middle);
         for &(start, sides) in crossings {
             self.edge([start, middle], sides);

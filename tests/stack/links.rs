@@ -1,12 +1,8 @@
 //! Parts of a stack that overlap nothing of their label on the next section, linked.
 
-#[path = "common/random.rs"]
-mod random;
-
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
-use random::Random;
 use transect::change::Change;
 use transect::check::Check;
 use transect::context::Context;
@@ -17,6 +13,9 @@ use transect::model::{Model, Options};
 use transect::plane::Plane;
 use transect::section::{Overlap, Rules, Section, Sections};
 use transect::stack::Links;
+
+use super::checked;
+use super::random::Random;
 
 /// A disc: its middle, its radius and its label.
 type Disc = ([f64; 2], f64, u32);
@@ -50,12 +49,6 @@ fn model(sections: Vec<Section>, link: Option<Linking>, voxels: u32) -> Model {
     let samples = &model.derived().expect("something was derived").samples;
     samples.sanity_check().expect("sound samples");
     model
-}
-
-fn checked(model: &Model) -> Check {
-    let found = model.check(&mut Context::default()).expect("it can be checked");
-    assert!(found.is_sound());
-    found
 }
 
 fn links(model: &Model) -> &Links {

@@ -1,7 +1,11 @@
 //! Parallel sections by interpolating distances: known solids, stacks that lean, several
 //! labels, and sections that are no stack.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod links;
+#[path = "../common/random.rs"]
+mod random;
 
 use std::f64::consts::TAU;
 
