@@ -2,39 +2,27 @@
 //! normals that somebody knows.
 
 mod common;
+#[path = "common/derived.rs"]
+mod derived;
 
 use common::data;
+use derived::checked;
 use glam::{DVec2, DVec3};
-use transect::change::Change;
-use transect::check::Check;
 use transect::compare::{self, Comparison, compare};
 use transect::context::Context;
 use transect::field::hermite;
-use transect::grid::lattice::Resolution;
 use transect::io::mesh::read_mesh;
 use transect::io::read_sections;
 use transect::label::Label;
 use transect::mesh::Mesh;
 use transect::method::{Caps, Hermite, Mesher, Method};
-use transect::model::{Model, Options};
+use transect::model::Model;
 use transect::plane::Plane;
 use transect::progress::Silent;
-use transect::section::{Overlap, Rules, Section, SectionBuilder, Sections};
+use transect::section::{Overlap, Rules, Section, SectionBuilder};
 
 fn model(sections: Vec<Section>, voxels: u32, method: Hermite) -> transect::Result<Model> {
-    let (method, resolution) = (Method::Hermite(method), Resolution::Voxels(voxels));
-    let mut model = Model::new(Options { method, resolution, ..Options::default() });
-    let sections = Sections::new(sections, &Rules::default())?;
-    model.apply(Change::Add(sections), &mut Context::default())?;
-    let samples = &model.derived().expect("something was derived").samples;
-    samples.sanity_check().expect("sound samples");
-    Ok(model)
-}
-
-fn checked(model: &Model) -> Check {
-    let found = model.check(&mut Context::default()).expect("it can be checked");
-    assert!(found.is_sound());
-    found
+    derived::model(sections, voxels, Method::Hermite(method))
 }
 
 /// The section through balls around the origin, the smaller ones inside, with their labels.

@@ -3,18 +3,15 @@
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
-use transect::change::Change;
 use transect::check::Check;
-use transect::context::Context;
-use transect::grid::lattice::Resolution;
 use transect::label::Label;
 use transect::method::{Caps, Linking, Method, ShapeBased};
-use transect::model::{Model, Options};
+use transect::model::Model;
 use transect::plane::Plane;
-use transect::section::{Overlap, Rules, Section, Sections};
+use transect::section::{Overlap, Rules, Section};
 use transect::stack::Links;
 
-use super::checked;
+use super::derived::{self, checked};
 use super::random::Random;
 
 /// A disc: its middle, its radius and its label.
@@ -41,14 +38,8 @@ fn stack(slices: &[(f64, Vec<Disc>)]) -> Vec<Section> {
 }
 
 fn model(sections: Vec<Section>, link: Option<Linking>, voxels: u32) -> Model {
-    let method = Method::Stack(ShapeBased { link, caps: Caps::None, ..ShapeBased::default() });
-    let resolution = Resolution::Voxels(voxels);
-    let mut model = Model::new(Options { method, resolution, ..Options::default() });
-    let sections = Sections::new(sections, &Rules::default()).expect("sections");
-    model.apply(Change::Add(sections), &mut Context::default()).expect("a stack");
-    let samples = &model.derived().expect("something was derived").samples;
-    samples.sanity_check().expect("sound samples");
-    model
+    let method = ShapeBased { link, caps: Caps::None, ..ShapeBased::default() };
+    derived::model(sections, voxels, Method::Stack(method)).expect("a stack")
 }
 
 fn links(model: &Model) -> &Links {

@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/derived.rs"]
+mod derived;
 mod links;
 #[path = "../common/random.rs"]
 mod random;
@@ -10,20 +12,17 @@ mod random;
 use std::f64::consts::TAU;
 
 use common::data;
+use derived::checked;
 use glam::{DQuat, DVec2, DVec3};
-use transect::change::Change;
-use transect::check::Check;
 use transect::compare::{self, compare};
-use transect::context::Context;
-use transect::grid::lattice::Resolution;
 use transect::io::mesh::read_mesh;
 use transect::io::read_sections;
 use transect::label::Label;
 use transect::method::{Caps, Mesher, Method, ShapeBased};
-use transect::model::{Model, Options};
+use transect::model::Model;
 use transect::plane::Plane;
 use transect::progress::Silent;
-use transect::section::{Overlap, Rules, Section, SectionBuilder, Sections};
+use transect::section::{Overlap, Rules, Section, SectionBuilder};
 
 /// A section of discs around the z axis, the smaller ones on top, each with a radius and a
 /// label; turned.
@@ -44,19 +43,7 @@ fn section(height: f64, discs: &[(f64, u32)], turn: DQuat) -> Section {
 }
 
 fn model(sections: Vec<Section>, voxels: u32, method: ShapeBased) -> transect::Result<Model> {
-    let (method, resolution) = (Method::Stack(method), Resolution::Voxels(voxels));
-    let mut model = Model::new(Options { method, resolution, ..Options::default() });
-    let sections = Sections::new(sections, &Rules::default())?;
-    model.apply(Change::Add(sections), &mut Context::default())?;
-    let samples = &model.derived().expect("something was derived").samples;
-    samples.sanity_check().expect("sound samples");
-    Ok(model)
-}
-
-fn checked(model: &Model) -> Check {
-    let found = model.check(&mut Context::default()).expect("it can be checked");
-    assert!(found.is_sound());
-    found
+    derived::model(sections, voxels, Method::Stack(method))
 }
 
 /// A cone from radius 1 to ½ over a height of 2, in five slices.
