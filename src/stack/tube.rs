@@ -37,6 +37,13 @@ impl Tube {
     /// lattice.
     pub fn new(slices: &Slices, lower: usize, parts: [&Part; 2], pair: &Pair) -> Option<Self> {
         let lean = length(pair.step) / (slices.heights[lower + 1] - slices.heights[lower]);
+        let least = LEAST_DEPTH * lean.hypot(1.0);
+        let widest = parts.iter().flat_map(|part| part.size).max().unwrap_or(0) as f64;
+        // It is no deeper than half of its width. Slices may be so close that the images would
+        // be as large as nothing could hold.
+        if 2.0 * least > widest + 1.0 {
+            return None;
+        }
         let margin = (MARGIN + HALF_LEAF * lean).ceil() as i32;
         let back = pair.step.map(|along| -along);
         let ends = |axis: usize| {
@@ -56,7 +63,7 @@ impl Tube {
         let in_both = images[0].values.iter().zip(&images[1].values);
         let depth = in_both.map(|(one, other)| one.min(*other)).fold(f32::NEG_INFINITY, f32::max);
         let step = DVec2::from_array(pair.step.map(f64::from));
-        let is_thick = f64::from(depth) >= LEAST_DEPTH * lean.hypot(1.0);
+        let is_thick = f64::from(depth) >= least;
         is_thick.then_some(Self {
             label: parts[0].label,
             step,

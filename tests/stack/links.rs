@@ -231,3 +231,16 @@ fn random_stacks() {
     }
     assert!(connected > 8, "{connected}");
 }
+
+#[test]
+fn slices_that_nearly_touch_are_not_linked() {
+    // Whatever may be linked: a tube so flat would need images larger than any memory.
+    let far = Some(Linking { farthest: Some(100.0) });
+    for gap in [1e-7, 1e-3] {
+        let slices = [(0.0, 0.0), (gap, 8.0), (10.0, 8.0)]
+            .map(|(height, along)| (height, vec![([along, 0.0], 1.0, 1)]));
+        let model = model(stack(&slices), far, 48);
+        assert_eq!(links(&model).found, [], "{gap}");
+        checked(&model);
+    }
+}

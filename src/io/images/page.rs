@@ -78,16 +78,17 @@ pub fn bytes(file: &Path) -> Result<Vec<u8>> {
     }
 }
 
-/// Values of fewer bits than a byte, the first in the highest bits; every row begins a byte.
+/// Values of fewer bits than a byte, the first in the highest bits; every row begins a byte. Fewer
+/// where bytes are missing.
 pub fn unpacked(packed: &[u8], bits: usize, [width, height]: [usize; 2], invert: bool) -> Vec<u32> {
     let row = (width * bits).div_ceil(8);
     let mask = (1u32 << bits) - 1;
     let mut values = Vec::with_capacity(width * height);
     for bytes in packed.chunks(row.max(1)).take(height) {
-        values.extend((0..width).map(|x| {
+        values.extend((0..width).map_while(|x| {
             let bit = x * bits;
-            let value = u32::from(bytes[bit / 8]) >> (8 - bits - bit % 8) & mask;
-            if invert { mask - value } else { value }
+            let value = u32::from(*bytes.get(bit / 8)?) >> (8 - bits - bit % 8) & mask;
+            Some(if invert { mask - value } else { value })
         }));
     }
     values

@@ -88,7 +88,7 @@ fn values(
     is_inverted: bool,
 ) -> std::result::Result<Vec<u32>, (usize, f64)> {
     let invert = |value: u64| match is_inverted {
-        true => (u64::MAX >> (64 - u32::from(bits.clamp(1, 64)))) - value,
+        true => (u64::MAX >> (64 - u32::from(bits.clamp(1, 64)))).saturating_sub(value),
         false => value,
     };
     match decoded {
