@@ -18,8 +18,10 @@ using Face = Mesh::Face_handle;
 Chart chart(const Kernel::Plane_3& plane) { return {plane.orthogonal_vector(), -plane.d()}; }
 
 // Numbers the parts that constraints divide the plane into; returns one face of each.
-// The part outside is the first one.
+// The part outside is the first one. Without triangles there is none: the face of nothing has
+// no neighbours, and what it is said to be is anything.
 std::vector<Face> number_regions(Mesh& mesh) {
+  if (mesh.dimension() < 2) return {};
   for (Face face : mesh.all_face_handles()) face->info() = none;
   std::vector<Face> first;
   const auto spread = [&](Face start) {
