@@ -24,6 +24,13 @@ fn main() {
         .opt_level(2)
         .warnings(false)
         .debug(false); // CGAL's templates make for a gigabyte of it
+    // Which of GCC's and clang's sanitizers watch the C++ side, as in `address,undefined`.
+    println!("cargo:rerun-if-env-changed=TRANSECT_SANITIZE");
+    let sanitizers = env::var("TRANSECT_SANITIZE").unwrap_or_default();
+    for sanitizer in sanitizers.split(',').filter(|name| !name.is_empty()) {
+        build.flag(format!("-fsanitize={sanitizer}")).flag("-fno-sanitize-recover=all");
+        build.flag("-fno-omit-frame-pointer").flag("-g1");
+    }
     // CGAL's assertions, and ours: for tests.
     if env::var_os("CARGO_FEATURE_ASSERTIONS").is_none() {
         build.define("NDEBUG", None);
@@ -42,6 +49,14 @@ fn main() {
 
     for library in values(&flags, "link") {
         link(library);
+    }
+    for sanitizer in sanitizers.split(',') {
+        match sanitizer {
+            "address" => link("-lasan"),
+            "undefined" => link("-lubsan"),
+            "thread" => link("-ltsan"),
+            _ => {}
+        }
     }
     for folder in ["src/ffi", "cpp", "cpp/complex", "cpp/skeleton", "cmake"] {
         println!("cargo:rerun-if-changed={folder}");

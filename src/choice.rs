@@ -63,7 +63,7 @@ impl Suited {
 pub fn choose(sections: &Sections, resolution: Resolution) -> Result<Choice> {
     let variational =
         |reason: String| Ok(Choice { method: Suited::Variational, reasons: vec![reason] });
-    let bounds = bounds_of(sections)?;
+    let bounds = bounds_of(sections, None)?;
     let all = &sections.sections;
     let mut partial = all.iter().filter(|section| section.is_partial());
     if let Some(first) = partial.next() {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use crate::capping::Capping;
 use crate::complex::Complex;
 use crate::error::{Error, Result};
-use crate::field::{Boundaries, Evaluator, hermite};
+use crate::field::{self, Boundaries, Evaluator, hermite};
 use crate::grid::frame::Frame;
 use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_memory;
@@ -29,7 +29,8 @@ use crate::model::Options;
 use crate::oracle::Oracle;
 use crate::plane::{Bounds, Plane};
 use crate::progress::Progress;
-use crate::section::{Section, Sections};
+use crate::section::ends::stopped;
+use crate::section::{Section, Sections, reach};
 use crate::skeleton::{Details, Kept as KeptSurfaces};
 use crate::stack::{Links, Stacked, stacked};
 use crate::stage::Stages;
@@ -48,6 +49,9 @@ const FAIR_EDGE: f64 = 0.0065;
 /// Steps of smoothing on each of fairing's levels: with fewer terraces remain, with more
 /// thin limbs get narrower between the sections.
 const FAIRING_STEPS: u32 = 400;
+
+/// Where what is drawn is smaller in the box, lengths are chosen as if it were such a part of it.
+const MOST_SPANS: f64 = 8.0;
 
 /// Of a given box: products of three are still numbers.
 const LARGEST_COORDINATE: f64 = 1e75;
@@ -128,14 +132,24 @@ impl Derived {
     }
 }
 
-/// The box in which the surface closes.
+/// The box in which the surface closes, so far beyond the contours if a margin is given.
 ///
 /// # Errors
-/// When there is no contour, or nothing known at all.
-pub(crate) fn bounds_of(sections: &Sections) -> Result<Bounds> {
+/// When there is no contour, or nothing known at all, or for a margin that is no length.
+pub(crate) fn bounds_of(sections: &Sections, margin: Option<f64>) -> Result<Bounds> {
     sections.require_known()?;
+    let space = match margin {
+        None => sections.space(),
+        Some(margin) if margin > 0.0 && margin < LARGEST_COORDINATE => {
+            reach::bounds(&sections.sections).map(|around| around.grown(margin))
+        }
+        Some(margin) => {
+            let what = format!("the box's margin must be a positive length, not {margin}");
+            return Err(Error::Option(what));
+        }
+    };
     let what = "there is nothing to reconstruct: no section has a contour";
-    sections.space().ok_or_else(|| Error::Option(what.to_owned()))
+    space.ok_or_else(|| Error::Option(what.to_owned()))
 }
 
 /// The given box.
@@ -144,7 +158,7 @@ pub(crate) fn bounds_of(sections: &Sections) -> Result<Bounds> {
 /// When it has no size that can be squared, when a contour leaves it, when a section lies in
 /// one of its faces, where nothing is on its other side, or as [`bounds_of`].
 fn require_within(sections: &Sections, bounds: Bounds) -> Result<Bounds> {
-    bounds_of(sections)?;
+    bounds_of(sections, None)?;
     let Bounds { min, max } = bounds;
     let is_finite = min.is_finite() && max.is_finite();
     if !is_finite || min.abs().max(max.abs()).max_element() > LARGEST_COORDINATE {
@@ -190,9 +204,9 @@ fn frame(sections: &Sections, options: &Options) -> Result<Frame> {
     match (options.bounds, options.resolution, border) {
         (Some(bounds), resolution, _) => Frame::new(require_within(sections, bounds)?, resolution),
         (None, Resolution::VoxelSize(voxel), Some(Label::OUTSIDE)) => {
-            Frame::fixed(bounds_of(sections)?, voxel)
+            Frame::fixed(bounds_of(sections, options.margin)?, voxel)
         }
-        (None, resolution, _) => Frame::new(bounds_of(sections)?, resolution),
+        (None, resolution, _) => Frame::new(bounds_of(sections, options.margin)?, resolution),
     }
 }
 
@@ -200,6 +214,9 @@ fn frame(sections: &Sections, options: &Options) -> Result<Frame> {
 struct Ground<'a> {
     sections: &'a [Section],
     frame: Frame,
+    /// How large what is drawn is, or the given box, in world units: what lengths are chosen by
+    /// that nobody gave.
+    span: f64,
     /// Whether what is derived is to be kept for the next change.
     keeps: bool,
     /// What was derived from the sections as they were.
@@ -220,7 +237,8 @@ pub(crate) fn derive(
     // Where the nodes follow the box, fields leave nothing behind: the same sections make the
     // same then, to the last bit, whatever was before.
     let keeps = options.bounds.is_some() || frame.is_fixed;
-    let ground = Ground { sections: &sections.sections, frame, keeps, before };
+    let span = options.bounds.map_or_else(|| sections.span(), |given| given.size().max_element());
+    let ground = Ground { sections: &sections.sections, frame, span, keeps, before };
     let mut derived = match &options.method {
         Method::Variational(method) => ground.solve(method, lasting, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
@@ -235,6 +253,12 @@ pub(crate) fn derive(
 }
 
 impl Ground<'_> {
+    /// A length that nobody gave, as this share of what is drawn.
+    fn spacing(&self, share: f64) -> f64 {
+        // However small that is in the box, there are not to be too many triangles.
+        share * self.span.max(self.frame.bounds.size().max_element() / MOST_SPANS)
+    }
+
     /// Solves for the variational field on the grid.
     fn solve(
         &self,
@@ -283,8 +307,9 @@ impl Ground<'_> {
         let living = stages.run("arrangement", |counts| {
             progress.go_on()?;
             progress.begin("arrangement", 0);
+            let all = bordered(sections, *bounds, method.border)?;
             let (living, touched) =
-                living::follow(&mut lasting.cells, sections, (*bounds, method.border), lattice)?;
+                living::follow(&mut lasting.cells, &all, (*bounds, method.border), lattice)?;
             count(living.complex(), counts);
             counts.insert("touched".into(), touched as u64);
             Ok(living)
@@ -295,7 +320,8 @@ impl Ground<'_> {
             progress.begin("completion", 0);
             let clearance = CLEARANCE * lattice.voxel;
             let before = Some(living.completion());
-            let boundaries = Boundaries::following(complex, clearance, method.spacing, before)?;
+            let spacing = method.spacing.unwrap_or_else(|| self.spacing(field::SPACING));
+            let boundaries = Boundaries::following(complex, clearance, Some(spacing), before)?;
             let completion = boundaries.completion();
             counts
                 .insert("triangles of unknown regions".into(), completion.triangle_count() as u64);
@@ -357,11 +383,15 @@ impl Ground<'_> {
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let sections = capping.sections.as_ref();
         progress.go_on()?;
-        let complex = arranged(sections, *bounds, method.border, stages, progress)?;
+        let all = bordered(sections, *bounds, method.border)?;
+        let complex = arranged(&all, *bounds, method.border, stages, progress)?;
+        let spacing = |share| method.interpolation.spacing.unwrap_or_else(|| self.spacing(share));
+        let interpolation =
+            hermite::Options { spacing: Some(spacing(hermite::SPACING)), ..method.interpolation };
         let boundaries = stages.run("completion", |counts| {
             progress.go_on()?;
             progress.begin("completion", 0);
-            let spacing = method.interpolation.spacing;
+            let spacing = Some(spacing(field::SPACING));
             let boundaries = Boundaries::new(&complex, CLEARANCE * lattice.voxel, spacing)?;
             let triangles = boundaries.completion().triangle_count();
             counts.insert("triangles of unknown regions".into(), triangles as u64);
@@ -370,15 +400,13 @@ impl Ground<'_> {
         let nodes = stages.run("triangulation", |counts| {
             progress.go_on()?;
             progress.begin("triangulation", 0);
-            let nodes =
-                hermite::Nodes::new(&boundaries, sections, &method.interpolation, progress)?;
+            let nodes = hermite::Nodes::new(&boundaries, &all, &interpolation, progress)?;
             counts.insert("triangles".into(), nodes.triangle_count() as u64);
             Ok(nodes)
         })?;
         let (mut samples, device) = stages.run("field", |counts| {
             let (device, voxel) = (method.device, lattice.voxel);
-            let field =
-                evaluator.hermite(&boundaries, &nodes, &method.interpolation, voxel, device)?;
+            let field = evaluator.hermite(&boundaries, &nodes, &interpolation, voxel, device)?;
             let starts = Starts::new(sections, boundaries.completion(), lattice);
             let sampling = sample(&complex, field.as_ref(), &starts, lattice, Margin(1), progress)?;
             let mut samples = sampling.kept.samples;
@@ -466,15 +494,20 @@ impl Ground<'_> {
         progress: &dyn Progress,
     ) -> Result<Derived> {
         let Self { sections, frame: Frame { bounds, lattice, .. }, .. } = self;
+        let all = stopped(sections, *bounds)?;
         let mut made = stages.run("skeleton", |counts| {
-            let made = surfaces.follow(sections, *bounds, &method.exactness, progress)?;
+            let mut made = surfaces.follow(&all, *bounds, &method.exactness, progress)?;
+            // What stops a stack is nobody's section.
+            for section in made.details.origins.iter_mut().flat_map(|origin| &mut origin.sections) {
+                *section = section.filter(|&own| (own as usize) < sections.len());
+            }
             counts.insert("cells".into(), made.details.cells.into());
             counts.insert("cells computed".into(), surfaces.computed().into());
             counts.insert("vertices".into(), made.mesh.vertices.len() as u64);
             counts.insert("triangles".into(), made.mesh.triangles.len() as u64);
             Ok(made)
         })?;
-        let oracle = Oracle::new(sections, *bounds, Label::OUTSIDE)?;
+        let oracle = Oracle::new(&all, *bounds, Label::OUTSIDE)?;
         let is_exact = made.details.left_out.is_empty();
         let samples = stages.run("labels", |counts| {
             progress.go_on()?;
@@ -489,8 +522,7 @@ impl Ground<'_> {
         if !is_exact {
             made.mesh = self.mesh(&samples, &Mesher::Dual, stages, progress)?.0;
         } else if let Some(Fairing { edge_length }) = method.fairing {
-            let size = bounds.size().max_element();
-            let edge_length = edge_length.unwrap_or(FAIR_EDGE * size);
+            let edge_length = edge_length.unwrap_or(FAIR_EDGE * self.span);
             let options = FairingOptions { edge_length, steps: FAIRING_STEPS };
             let planes: Vec<Plane> = sections.iter().map(|section| *section.plane()).collect();
             made.mesh = stages.run("fairing", |counts| {
@@ -541,6 +573,18 @@ impl Ground<'_> {
             Ok((mesh, if self.keeps { blocks } else { KeptBlocks::default() }))
         })
     }
+}
+
+/// The sections that the cells of a box lie between: in a closed one what stops them, too.
+///
+/// # Errors
+/// As [`stopped`].
+pub(crate) fn bordered(
+    sections: &[Section],
+    bounds: Bounds,
+    border: Label,
+) -> Result<Cow<'_, [Section]>> {
+    if border == Label::OUTSIDE { stopped(sections, bounds) } else { Ok(Cow::from(sections)) }
 }
 
 /// The cells between sections, as a stage of its own.

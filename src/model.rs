@@ -39,6 +39,11 @@ pub struct Options {
     /// that follows the sections if the size of voxels is given and the box is closed and has 64 of
     /// them.
     pub bounds: Option<Bounds>,
+    /// How far the box that follows from the sections reaches beyond their contours, in world
+    /// units. Without it: beyond the last section of a stack a spacing, to the sides as far as its
+    /// sections are apart or a twentieth of the diagonal
+    /// ([`Sections::space`](crate::section::Sections::space)).
+    pub margin: Option<f64>,
     /// How far the surface is made simpler, last of all. What is kept for the next change is
     /// from before that.
     pub decimation: Option<Decimation>,
@@ -47,7 +52,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         let (method, resolution) = (Method::default(), Resolution::Voxels(256));
-        Self { method, resolution, bounds: None, decimation: None }
+        Self { method, resolution, bounds: None, margin: None, decimation: None }
     }
 }
 

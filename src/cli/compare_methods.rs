@@ -34,7 +34,8 @@ pub fn run(arguments: &CompareMethodsArguments) -> Result<()> {
         print_warnings(&sections);
     }
     let reference = arguments.reference.as_deref().map(read_mesh).transpose()?;
-    let options = Options { resolution: arguments.grid.resolution(), ..Options::default() };
+    let (resolution, margin) = (arguments.grid.resolution(), arguments.grid.margin);
+    let options = Options { resolution, margin, ..Options::default() };
     let common = Common { sections: &sections, options, reference: reference.as_ref() };
     let mut found: Vec<(Entry, Option<Mesh>)> = Vec::new();
     for &name in &arguments.methods {

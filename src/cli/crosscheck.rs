@@ -87,6 +87,7 @@ fn options(arguments: &CrosscheckArguments) -> Options {
         resolution: arguments.grid.resolution(),
         device: arguments.device.into(),
         border: arguments.border.into(),
+        margin: arguments.grid.margin,
         spacing: arguments.spacing,
         points: arguments.points,
         seed: arguments.seed,

@@ -67,9 +67,9 @@ struct Words<'a> {
 impl<'a> Online<'a> {
     fn begin(arguments: &'a OnlineArguments) -> Result<Self> {
         let OnlineArguments { bounds, reading, emit, emit_kind, .. } = arguments;
-        let (method, resolution) =
-            (method(&arguments.method, false)?, arguments.method.grid.resolution());
-        let options = Options { method, resolution, bounds: *bounds, ..Options::default() };
+        let (method, grid) = (method(&arguments.method, false)?, arguments.method.grid);
+        let (resolution, margin, bounds) = (grid.resolution(), grid.margin, *bounds);
+        let options = Options { method, resolution, bounds, margin, ..Options::default() };
         let targets = arguments.output.iter().map(|path| Target::new(path));
         let targets = targets.collect::<Result<Vec<_>>>()?;
         let grids = arguments.grids.iter().map(|name| name.trim().parse());

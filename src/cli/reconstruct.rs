@@ -23,7 +23,8 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         arguments.output.iter().map(|path| Target::new(path)).collect::<Result<Vec<_>>>()?;
     let grids =
         arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
-    let resolution = arguments.method.grid.resolution();
+    let grid = arguments.method.grid;
+    let (resolution, margin) = (grid.resolution(), grid.margin);
     let asked = asked(&arguments.method, arguments.exact.is_some())?;
     let decimation = arguments.decimate;
     require_rounded(arguments)?;
@@ -54,7 +55,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     if let Some(choice) = choice.as_ref().filter(|_| !arguments.quiet) {
         eprintln!("method: {}, because {}", choice.method.name(), choice.reasons.join(" and "));
     }
-    let mut model = Model::new(Options { method, resolution, bounds: None, decimation });
+    let mut model = Model::new(Options { method, resolution, bounds: None, margin, decimation });
     model.apply(Change::Add(sections), &mut context)?;
     let results = Results::new(&model, &grids, picture)?;
     let checked = model.check(&mut context)?;

@@ -73,6 +73,8 @@ pub struct Options {
     pub device: Device,
     /// What is on the box's faces, as in [`MeanValue`].
     pub border: Label,
+    /// How far the box reaches beyond the contours, as in [`model::Options`].
+    pub margin: Option<f64>,
     /// As in [`MeanValue`].
     pub spacing: Option<f64>,
     /// Random points at which both are asked.
@@ -89,7 +91,7 @@ impl Default for Options {
         let resolution = model::Options::default().resolution;
         let delaunay = Some(delaunay::Options::default());
         let (field, points, seed) = (Kind::default(), 100_000, 0);
-        Self { field, resolution, device, border, spacing, points, seed, delaunay }
+        Self { field, resolution, device, border, margin: None, spacing, points, seed, delaunay }
     }
 }
 
@@ -167,7 +169,7 @@ pub fn crosscheck(
 
 /// The field as it is, and meshed by dual contouring.
 fn model_options(options: &Options) -> model::Options {
-    let Options { field, resolution, device, border, spacing, .. } = *options;
+    let Options { field, resolution, device, border, margin, spacing, .. } = *options;
     let (caps, mesher) = (Caps::Rounded, Mesher::Dual);
     let method = match field {
         Kind::MeanValue => {
@@ -181,7 +183,7 @@ fn model_options(options: &Options) -> model::Options {
             ..Variational::default()
         }),
     };
-    model::Options { method, resolution, ..model::Options::default() }
+    model::Options { method, resolution, margin, ..model::Options::default() }
 }
 
 fn derived(model: &Model) -> Result<&Derived> {

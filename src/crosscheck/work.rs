@@ -13,7 +13,7 @@ use super::report::{Distances, Found, SkeletonReport};
 use super::solids::{LabelSolids, solids};
 use super::{Kind, Options, derived};
 use crate::complex::Complex;
-use crate::derived::{CLEARANCE, Derived, arranged, bounds_of};
+use crate::derived::{CLEARANCE, Derived, arranged, bordered, bounds_of};
 use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
 use crate::grid::evidence::Evidence;
@@ -23,7 +23,6 @@ use crate::mesh::delaunay::delaunay;
 use crate::mesh::{Mesh, dual};
 use crate::model::Model;
 use crate::oracle::Oracle;
-use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::Section;
 use crate::skeleton::{self, Details, skeleton};
@@ -60,6 +59,8 @@ struct Surfaces<'a> {
 /// What both methods start from.
 #[derive(Clone, Copy)]
 struct Base<'a> {
+    /// Those that bound cells.
+    sections: &'a [Section],
     derived: &'a Derived,
     complex: &'a Complex,
     oracle: &'a Oracle<'a>,
@@ -72,17 +73,19 @@ impl Work<'_> {
     /// Those of the stages.
     pub fn compare(&self, other: Option<&Other>, stages: &mut Stages) -> Result<Compared> {
         let derived = derived(self.model)?;
-        let bounds = bounds_of(self.model.sections())?;
+        let bounds = bounds_of(self.model.sections(), self.options.margin)?;
+        let sections = bordered(self.sections(), bounds, self.options.border)?;
+        let sections = sections.as_ref();
         let built = match derived.complex {
             Some(_) => None,
             None => {
                 let border = self.options.border;
-                Some(arranged(self.sections(), bounds, border, stages, self.progress)?)
+                Some(arranged(sections, bounds, border, stages, self.progress)?)
             }
         };
         let complex = derived.complex.as_ref().or(built.as_ref()).ok_or_else(no_cells)?;
-        let oracle = Oracle::new(self.sections(), bounds, self.options.border)?;
-        let base = Base { derived, complex, oracle: &oracle };
+        let oracle = Oracle::new(sections, bounds, self.options.border)?;
+        let base = Base { sections, derived, complex, oracle: &oracle };
 
         let pair = self.labels(base, stages)?;
         let (skeleton, how) = self.skeleton(base, stages)?;
@@ -134,7 +137,7 @@ impl Work<'_> {
         stages.run("skeleton", |counts| {
             let made = match is_partial {
                 true => self.sampled_skeleton(base),
-                false => self.exact_skeleton(base.complex.bounds()),
+                false => self.exact_skeleton(base),
             }?;
             counts.insert("triangles".into(), made.0.triangles.len() as u64);
             Ok(made)
@@ -142,9 +145,9 @@ impl Work<'_> {
     }
 
     /// Between full sections.
-    fn exact_skeleton(&self, bounds: Bounds) -> Result<(Mesh, SkeletonReport)> {
+    fn exact_skeleton(&self, base: Base) -> Result<(Mesh, SkeletonReport)> {
         let options = skeleton::Options::default();
-        let made = skeleton(self.sections(), bounds, &options, self.progress)?;
+        let made = skeleton(base.sections, base.complex.bounds(), &options, self.progress)?;
         let report = SkeletonReport {
             exact: true,
             vertices: made.mesh.vertices.len(),
@@ -203,7 +206,7 @@ impl Work<'_> {
                 boundaries: &boundaries,
                 field: field.as_ref(),
                 oracle: base.oracle,
-                sections: self.sections(),
+                sections: base.sections,
             };
             let drawn = (self.options.points, self.options.seed);
             let points = points(&judges, nodes, drawn, self.progress)?;

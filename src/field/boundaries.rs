@@ -19,7 +19,7 @@ const NEGLIGIBLE: f32 = 1e-3;
 
 /// How unknown regions are triangulated when nothing else is said: the edges'
 /// length as a part of the box's longest side.
-const SPACING: f64 = 1.0 / 16.0;
+pub(crate) const SPACING: f64 = 1.0 / 16.0;
 
 /// The smallest spacing, as a part of the box's longest side: finer triangles
 /// would take all memory and show nothing more.

@@ -51,6 +51,7 @@ mod contract;
 mod fixture;
 
 pub use boundaries::Boundaries;
+pub(crate) use boundaries::SPACING;
 pub use completion::{CellShares, Completion};
 pub use cpu::Cpu;
 pub use gpu::Gpu;

@@ -1,5 +1,7 @@
 //! The ends of what sections show: where no other section has a contour any more.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
 use super::draft::Draft;
@@ -12,6 +14,9 @@ use crate::plane::{Bounds, Plane};
 /// How far beyond the plane of an end other contours may lie, relative to the
 /// diagonal of all contours: what files round away.
 const TOLERANCE: f64 = 1e-4;
+/// How far a box goes on beyond the place where a solid has to end, as a part of an end's reach,
+/// for that to be said there.
+const ROOM: f64 = 1e-3;
 
 /// One side of a section beyond whose plane no other section has a contour: the first
 /// and the last section of a stack have one, a section alone has two.
@@ -53,6 +58,29 @@ pub fn ends(sections: &[Section]) -> Vec<End> {
         }
     }
     ends
+}
+
+/// The sections, and an empty one as far beyond every end as a solid may reach, where a box goes
+/// on there: a stack that leans in its box then ends as it does upright, not in the box's corners.
+///
+/// # Errors
+/// As [`SectionBuilder::build`](super::SectionBuilder::build).
+pub fn stopped(sections: &[Section], bounds: Bounds) -> Result<Cow<'_, [Section]>> {
+    let mut all = Cow::from(sections);
+    for end in ends(sections) {
+        let own = &sections[end.section];
+        let plane = end.beyond(end.reach);
+        // What rounding leaves of an upright box is no room for another cell.
+        let slack = ROOM * end.reach;
+        let middle = own.bounds().map_or(DVec3::ZERO, |own| own.middle());
+        let is_said = reach::heights(middle, &end.plane, sections)
+            .any(|height| height > slack && height < end.reach + slack);
+        if plane.largest_distance(bounds) > slack && !is_said {
+            let name = format!("beyond {}", own.name());
+            all.to_mut().push(Section::builder(name, plane).build(&Rules::default())?.0);
+        }
+    }
+    Ok(all)
 }
 
 impl End {
@@ -151,6 +179,33 @@ mod tests {
         assert_eq!(found(&alone), [(0, -DVec3::Z), (0, DVec3::Z)]);
         assert_eq!(found(&[alone[0].clone(), empty.clone()]), found(&alone));
         assert_eq!(found(&[empty]), []);
+    }
+
+    #[test]
+    fn a_box_that_goes_on_beyond_an_end_is_stopped_there() {
+        let leaning = DVec3::new(0.6, 0.0, 0.8);
+        let stack = [at(leaning, 0.0), at(leaning, 0.5), at(-leaning, -1.5)];
+        let sections = Sections { sections: stack.to_vec(), ..Sections::default() };
+        let box_around = sections.space().unwrap();
+        let all = stopped(&stack, box_around).unwrap();
+        // A spacing beyond: of 0.5 below, of 1 above.
+        let heights: Vec<f64> = all[3..]
+            .iter()
+            .map(|own| own.plane.normal.dot(leaning).signum() * own.plane.offset)
+            .collect();
+        assert_eq!(heights.len(), 2);
+        assert!(
+            (heights[0] + 0.5).abs() < 1e-12 && (heights[1] - 2.5).abs() < 1e-12,
+            "{heights:?}"
+        );
+        assert!(all[3..].iter().all(|own| own.edges.is_empty() && !own.is_partial()));
+        // Stopped already; and a box that ends there stops it itself.
+        assert_eq!(stopped(&all, box_around).unwrap().len(), all.len());
+        let upright = [at(DVec3::Z, 0.0), at(DVec3::Z, 1.0)];
+        let sections = Sections { sections: upright.to_vec(), ..Sections::default() };
+        let box_around = sections.space().unwrap();
+        assert_eq!(stopped(&upright, box_around).unwrap().len(), 2);
+        assert_eq!(stopped(&upright, box_around.grown(0.5)).unwrap().len(), 4);
     }
 
     #[test]

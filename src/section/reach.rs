@@ -3,16 +3,21 @@
 use glam::DVec3;
 
 use super::{Section, Sections};
-use crate::plane::Bounds;
+use crate::plane::{Bounds, Plane};
 
-/// How far the box reaches beyond contours within their planes, and where no other
+/// How far the box reaches beyond contours within their planes at least, and where no other
 /// section is parallel also across, relative to the diagonal of all contours.
 const MARGIN: f64 = 0.05;
+/// As far as the widest gap between neighbours of a stack it reaches, so that its sides are no
+/// nearer to a contour than the next section; but no farther than that, relatively.
+const WIDEST: f64 = 0.25;
 /// The sine of the largest angle between planes that count as parallel.
 const PARALLEL: f64 = 1e-2;
 /// The smallest reach, relative to the diagonal: sections that lie closer are two
 /// views of one place and no spacing.
 const LEAST: f64 = 2e-3;
+/// The share of all contours' length that says nothing about their size.
+const FAR: f64 = 0.02;
 
 impl Section {
     /// The smallest box around the contours; `None` without any.
@@ -30,10 +35,33 @@ impl Sections {
     }
 
     /// The box in which a solid is looked for: around every contour a twentieth of
-    /// their diagonal along its plane, and its section's reach across. So beyond the
+    /// their diagonal along its plane, or the widest gap between neighbours of a stack if that is
+    /// more (up to a quarter of the diagonal), and its section's reach across. So beyond the
     /// last section of a stack it ends one spacing away. `None` without contours.
     pub fn space(&self) -> Option<Bounds> {
-        space(&self.sections, MARGIN, 1.0)
+        let widest = widest_gap(&self.sections) / bounds(&self.sections)?.diagonal();
+        let aside = if widest > MARGIN { widest.min(WIDEST) } else { MARGIN };
+        around(&self.sections, aside, &self.reaches())
+    }
+
+    /// How large what is drawn is, in world units: twice as far as contours are from the middle
+    /// of them all, but for the fiftieth of their length that is farthest away, so that a speck
+    /// there does not count; and the same however they are turned. 0 without contours.
+    pub fn span(&self) -> f64 {
+        let segments = self.sections.iter().flat_map(Section::segments);
+        let parts: Vec<(DVec3, f64)> =
+            segments.map(|[a, b]| (a.midpoint(b), a.distance(b))).collect();
+        let all: f64 = parts.iter().map(|part| part.1).sum();
+        let middle = parts.iter().map(|&(at, length)| length / all * at).sum::<DVec3>();
+        let mut far: Vec<(f64, f64)> =
+            parts.iter().map(|&(at, length)| (at.distance(middle), length)).collect();
+        far.sort_by(|one, other| other.0.total_cmp(&one.0));
+        let mut passed = 0.0;
+        let farthest = far.iter().find(|&&(_, length)| {
+            passed += length;
+            passed > FAR * all
+        });
+        farthest.map_or(0.0, |&(far, _)| 2.0 * far)
     }
 }
 
@@ -51,38 +79,62 @@ pub fn reaches(sections: &[Section]) -> Vec<f64> {
 /// The same with another margin, relative to the diagonal.
 pub fn reaches_with(sections: &[Section], margin: f64) -> Vec<f64> {
     let Some(all) = bounds(sections) else { return Vec::new() };
-    let diagonal = all.diagonal();
-    let middle = all.middle();
-    let reach = |section: &Section| {
-        let normal = section.plane.unit_normal();
-        let own = section.bounds().map_or(middle, |own| own.middle());
-        let from = own - section.plane.distance(own) * normal;
-        let gap = |other: &Section| {
-            let is_parallel = normal.cross(other.plane.unit_normal()).length() <= PARALLEL;
-            let gap = other.plane.distance(from).abs();
-            (is_parallel && gap >= LEAST * diagonal).then_some(gap)
-        };
-        sections.iter().filter_map(gap).reduce(f64::min).unwrap_or(margin * diagonal)
-    };
-    sections.iter().map(reach).collect()
+    let reach = |[before, behind]: [f64; 2]| before.min(behind);
+    let gaps = gaps(sections, all).into_iter().map(reach);
+    gaps.map(|gap| if gap.is_finite() { gap } else { margin * all.diagonal() }).collect()
 }
 
-/// [`Sections::space`] with another margin, relative to the diagonal, and with
-/// `beyond` times the reaches.
-pub fn space(sections: &[Section], margin: f64, beyond: f64) -> Option<Bounds> {
-    let along_plane = margin * bounds(sections)?.diagonal();
-    let grown = |(section, reach): (&Section, f64)| {
+/// The widest gap between two parallel sections that are neighbours; 0 where none are.
+fn widest_gap(sections: &[Section]) -> f64 {
+    let all = bounds(sections).map(|all| gaps(sections, all)).unwrap_or_default();
+    all.into_iter().flatten().filter(|gap| gap.is_finite()).fold(0.0, f64::max)
+}
+
+/// How far the nearest parallel section is in front of every section and behind it; infinite where
+/// there is none.
+fn gaps(sections: &[Section], all: Bounds) -> Vec<[f64; 2]> {
+    let nearest = |own: &Section| {
+        [own.plane, own.plane.turned()].map(|plane| {
+            let gaps = heights(own.bounds().unwrap_or(all).middle(), &plane, sections);
+            gaps.filter(|&gap| gap >= LEAST * all.diagonal()).fold(f64::INFINITY, f64::min)
+        })
+    };
+    sections.iter().map(nearest).collect()
+}
+
+/// How high the planes of sections that are parallel to one are above it, over a place.
+pub fn heights(place: DVec3, plane: &Plane, sections: &[Section]) -> impl Iterator<Item = f64> {
+    let normal = plane.unit_normal();
+    let from = place - plane.distance(place) * normal;
+    sections.iter().filter_map(move |other| {
+        let other_normal = other.plane.unit_normal();
+        let is_parallel = normal.cross(other_normal).length() <= PARALLEL;
+        is_parallel.then(|| -other.plane.distance(from) * normal.dot(other_normal).signum())
+    })
+}
+
+/// The box around contours that reaches beyond them by a part of their diagonal within their
+/// planes, and across by what is said for every section.
+fn around(sections: &[Section], aside: f64, across: &[f64]) -> Option<Bounds> {
+    let aside = aside * bounds(sections)?.diagonal();
+    let grown = |(section, &across): (&Section, &f64)| {
         let normal = section.plane.unit_normal();
         // Half the size of a disc with a height along the normal.
         let along = (DVec3::ONE - normal * normal).max(DVec3::ZERO);
-        let size = beyond * reach * normal.abs() + along_plane * along.map(f64::sqrt);
+        let size = across * normal.abs() + aside * along.map(f64::sqrt);
         let own = section.bounds()?;
         Some(Bounds { min: own.min - size, max: own.max + size })
     };
-    let boxes = sections.iter().zip(reaches_with(sections, margin)).filter_map(grown);
+    let boxes = sections.iter().zip(across).filter_map(grown);
     Bounds::around(boxes.flat_map(|own| [own.min, own.max]))
 }
 
+/// [`Sections::space`] with this margin, relative to the diagonal, and with
+/// `beyond` times the reaches.
+pub fn space(sections: &[Section], margin: f64, beyond: f64) -> Option<Bounds> {
+    let reaches = reaches_with(sections, margin).into_iter().map(|reach| beyond * reach);
+    around(sections, margin, &reaches.collect::<Vec<_>>())
+}
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +162,38 @@ mod tests {
         // The contours' diagonal is √(2² + 2² + 1.5²).
         let margin = 0.05 * 10.25f64.sqrt();
         assert!((space.max.x - 1.0 - margin).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_sides_of_the_box_are_no_nearer_than_the_next_section() {
+        // Far apart, and turned: what is seen from a contour is another section first.
+        let tilted = DVec3::new(1.0, 2.0, 2.0) / 3.0;
+        for normal in [DVec3::Z, tilted] {
+            let stack = discs(&[0.0, 3.0, 6.5, 9.5].map(|at| (normal, at)));
+            let (all, space) = (bounds(&stack.sections).unwrap(), stack.space().unwrap());
+            let room = (all.min - space.min).min(space.max - all.max).min_element();
+            let lean = (1.0 - normal.abs() * normal.abs()).map(f64::sqrt).min_element();
+            assert!(normal != DVec3::Z || (room - 3.0).abs() < 1e-9, "{room}");
+            assert!(room >= 3.0 * lean.max(normal.abs().min_element()), "{room}");
+        }
+        // One gap is wide: a quarter of the diagonal is enough.
+        let two = discs(&[(DVec3::Z, 0.0), (DVec3::Z, 40.0)]);
+        let (all, space) = (bounds(&two.sections).unwrap(), two.space().unwrap());
+        assert!((space.max.x - all.max.x - WIDEST * all.diagonal()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_span_is_that_of_most_contours_however_they_are_turned() {
+        let heights = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0];
+        let upright = discs(&heights.map(|at| (DVec3::Z, at)));
+        let tilted = discs(&heights.map(|at| (DVec3::new(0.36, 0.48, 0.8), at)));
+        assert!((upright.span() - 2.0 * 26f64.sqrt()).abs() < 0.02, "{}", upright.span());
+        assert!((tilted.span() - upright.span()).abs() < 1e-6);
+        let mut speck = upright.clone();
+        let far = Plane { normal: DVec3::Z, offset: 500.0 };
+        speck.sections.push(disc(far, 0.05, 64, Label(2)));
+        assert!((speck.span() / upright.span() - 1.0).abs() < 0.5, "{}", speck.span());
+        assert_eq!(Sections::default().span(), 0.0);
     }
 
     #[test]

@@ -39,7 +39,8 @@ pub struct OnlineArguments {
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// The box that is filled, which no contour may leave. In it, and with --voxel-size, fields are evaluated and solved for only where a change concerns them [default: what the sections fill, anew with every change]
-    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = bounds)]
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = bounds,
+          conflicts_with = "margin")]
     pub bounds: Option<Bounds>,
     #[command(flatten)]
     pub method: MethodArguments,

@@ -52,7 +52,7 @@ pub use reference::Reference;
 
 /// How facets are triangulated when nothing else is said: the edges' length as a part of the
 /// box's longest side.
-const SPACING: f64 = 1.0 / 32.0;
+pub(crate) const SPACING: f64 = 1.0 / 32.0;
 /// The smallest spacing, likewise.
 const FINEST: f64 = 1.0 / 512.0;
 
