@@ -400,7 +400,7 @@ impl Ground<'_> {
         let nodes = stages.run("triangulation", |counts| {
             progress.go_on()?;
             progress.begin("triangulation", 0);
-            let nodes = hermite::Nodes::new(&boundaries, &all, &interpolation, progress)?;
+            let nodes = hermite::Nodes::new(&boundaries, sections, &interpolation, progress)?;
             counts.insert("triangles".into(), nodes.triangle_count() as u64);
             Ok(nodes)
         })?;

@@ -10,10 +10,3 @@ pub fn peak() -> Option<u64> {
     let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kibibytes * 1024)
 }
-
-/// Starts a new peak at the present size, so that a stage's own peak can be
-/// told; where the system does not let us, peaks are those of the program.
-pub fn reset_peak() {
-    // "5" resets the peak, see proc(5), clear_refs.
-    let _ = fs::write("/proc/self/clear_refs", "5");
-}

@@ -15,8 +15,8 @@ pub struct Stage {
     pub name: String,
     /// By the wall clock.
     pub seconds: f64,
-    /// The largest resident size of the program during the stage, in bytes;
-    /// 0 where the system does not tell.
+    /// The largest resident size of the program up to the end of the stage, in bytes, as the
+    /// operating system tells it; 0 where it does not.
     pub peak_memory: u64,
     /// How many of what.
     pub counts: BTreeMap<String, u64>,
@@ -39,7 +39,6 @@ impl Stages {
         name: &str,
         stage: impl FnOnce(&mut BTreeMap<String, u64>) -> Result<T>,
     ) -> Result<T> {
-        memory::reset_peak();
         let start = Instant::now();
         let mut counts = BTreeMap::new();
         let value = stage(&mut counts)?;

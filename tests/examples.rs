@@ -50,7 +50,7 @@ fn a_sweep_of_crossing_frames_is_one_stomach() {
     let swept = reconstruct(read(&["sweep.json"]), 64, None);
     assert_eq!(pieces(&swept), [1]);
     assert_eq!(swept.labels[0].facts.genus, 0);
-    assert!(swept.dice.min > 0.98, "{}", swept.dice.min);
+    assert!(swept.dice.min > Some(0.98), "{:?}", swept.dice.min);
     // All but the frames' rectangles.
     assert!(swept.dice.sections.iter().all(|section| section.unknown > 0.5));
 }
@@ -68,5 +68,5 @@ fn a_noisy_scan_keeps_its_organs() {
     let noisy = mask(read(&["phantom.json"]), &Mask { blobs, frame: None }).expect("a mask");
     let noisy = reconstruct(noisy, 48, Some(20.0));
     assert_eq!(pieces(&noisy), [1, 1, 1, 1, 2, 1, 1]);
-    assert!(noisy.dice.mean > 0.95, "{}", noisy.dice.mean);
+    assert!(noisy.dice.mean > Some(0.95), "{:?}", noisy.dice.mean);
 }

@@ -1,6 +1,6 @@
 //! What a reader should be warned of before trusting a result.
 
-use super::{Check, LabelCheck};
+use super::{Check, LabelCheck, SectionCheck};
 use crate::label::Material;
 use crate::section::Warning;
 
@@ -13,6 +13,8 @@ pub const BEADS: f64 = 12.0;
 /// small true shape may happen to cut it where it is steep, but not all. Smooth
 /// reconstructions were seen to lean by .48 and more, the indicator's by .10 to .38.
 pub const STEEP: f64 = 0.4;
+/// Below this Dice's coefficient a section is not what the surface shows there.
+const POOR: f64 = 0.9;
 /// How many places a warning names.
 const NAMED: usize = 3;
 
@@ -27,7 +29,61 @@ impl Check {
                 what: format!("{name}: {what}"),
             })
         };
-        self.labels.iter().flat_map(warn).collect()
+        let own = self.labels.iter().flat_map(warn);
+        self.vanished(materials).into_iter().chain(own).chain(self.poor()).collect()
+    }
+
+    /// The materials that are drawn and of which nothing came out.
+    pub fn vanished(&self, materials: &[Material]) -> Vec<Warning> {
+        let gone = self.labels.iter().filter(|label| label.facts.triangles == 0);
+        let warn = |label: &LabelCheck| {
+            let why = match label.unreached.thin_length {
+                0.0 => "what is around it wins everywhere".to_owned(),
+                _ => format!("it is too thin for {}", self.finer()),
+            };
+            let name = name(label.label, materials);
+            let what = format!("{name} is drawn and nothing of it came out: {why}");
+            Warning { section: String::new(), what }
+        };
+        gone.map(warn).collect()
+    }
+
+    /// The sections that the surface does not show.
+    fn poor(&self) -> Option<Warning> {
+        let poor = |own: &&SectionCheck| own.dice.is_some_and(|dice| dice < POOR);
+        let count = self.dice.sections.iter().filter(poor).count();
+        let by_dice = |one: &&SectionCheck, other: &&SectionCheck| {
+            one.dice.unwrap_or(1.0).total_cmp(&other.dice.unwrap_or(1.0))
+        };
+        let worst = self.dice.sections.iter().filter(poor).min_by(by_dice)?;
+        let is_thin = self.labels.iter().any(|label| label.unreached.thin_length > 0.0)
+            || !self.contours.thin.is_empty();
+        let why = match is_thin {
+            true => format!("parts are too thin for {}", self.finer()),
+            false => format!(
+                "voxels of {} are too large for it, the method does not follow what is drawn \
+                 there, or sections that cross contradict each other (`transect inspect` says \
+                 where)",
+                digits(self.voxel)
+            ),
+        };
+        let (dice, all) = (worst.dice.unwrap_or_default(), self.dice.sections.len());
+        let section = &worst.section;
+        Some(Warning {
+            section: String::new(),
+            what: format!(
+                "{count} of {all} sections are not what the surface shows on their planes (a Dice \
+                 of {dice:.2} on section {section}): {why}"
+            ),
+        })
+    }
+
+    /// What to do about a coarse grid.
+    fn finer(&self) -> String {
+        format!(
+            "voxels of {}: choose smaller ones (--voxel-size, --resolution)",
+            digits(self.voxel)
+        )
     }
 }
 
@@ -79,10 +135,20 @@ fn afloat(label: &LabelCheck) -> Option<String> {
 /// To a ten-thousandth of its greatest coordinate: enough to go there.
 fn place(at: [f64; 3]) -> String {
     let size = at.iter().fold(0.0, |size: f64, at| size.max(at.abs()));
+    let [x, y, z] = at.map(|at| rounded(at, size));
+    format!("({x}, {y}, {z})")
+}
+
+/// A length to a ten-thousandth of it.
+fn digits(length: f64) -> f64 {
+    rounded(length, length)
+}
+
+/// To a ten-thousandth of a size.
+fn rounded(value: f64, size: f64) -> f64 {
     let digits = (4.0 - size.max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 12.0);
     let unit = 10f64.powf(digits);
-    let [x, y, z] = at.map(|at| (at * unit).round() / unit);
-    format!("({x}, {y}, {z})")
+    (value * unit).round() / unit
 }
 
 /// The first of so many.
@@ -98,10 +164,12 @@ fn listed(all: &[String], count: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::check::Agreement;
     use crate::check::afloat::{Afloat, Piece};
-    use crate::check::contour::Unreached;
+    use crate::check::contour::{Contours, Unreached};
     use crate::check::passage::Passage;
     use crate::check::ripple::Ripple;
+    use crate::check::support::Support;
     use crate::mesh::facts::Facts;
 
     /// A label with nothing to warn of.
@@ -143,6 +211,45 @@ mod tests {
         assert_eq!(with(1.3 * BEADS, 2.4 * BEADS), None, "more than half as steep at sections");
         assert_eq!(with(14.0, 29.0), None, "a smooth label of five sections");
         assert!(with(19.0, 50.0).is_some(), "an unsmoothed handle");
+    }
+
+    /// What is found of labels, and sections with these shares.
+    fn check_of(labels: Vec<LabelCheck>, dice: &[Option<f64>]) -> Check {
+        let section = |(number, &dice): (usize, &Option<f64>)| SectionCheck {
+            section: number.to_string(),
+            dice,
+            unknown: 0.0,
+            labels: Default::default(),
+        };
+        let sections = dice.iter().enumerate().map(section).collect();
+        Check {
+            voxel: 0.25,
+            dice: Agreement { mean: None, min: None, sections },
+            contours: Contours::default(),
+            stack: None,
+            labels,
+            support: Support::default(),
+            outside_volume: 1.0,
+            box_volume: 2.0,
+        }
+    }
+
+    #[test]
+    fn what_vanished_and_what_is_not_shown_is_told() {
+        let facts = Facts { triangles: 0, ..sound().facts };
+        let gone = LabelCheck { facts, ..sound() };
+        let unreached = Unreached { contours: 2, length: 1.0, thin_length: 1.0 };
+        let thin = LabelCheck { unreached, label: 5, ..gone.clone() };
+        let found = check_of(vec![sound(), gone, thin], &[Some(1.0), None]).warnings(&[]);
+        let [gone, thin] = &found[..] else { panic!("{found:?}") };
+        assert!(gone.what.starts_with("label 3 is drawn and nothing"), "{}", gone.what);
+        assert!(thin.what.contains("label 5") && thin.what.contains("voxels of 0.25: choose"));
+        let dice = [Some(0.95), Some(0.4), None, Some(0.85)];
+        let found = check_of(vec![sound()], &dice).warnings(&[]);
+        let [poor] = &found[..] else { panic!("{found:?}") };
+        assert!(
+            poor.what.starts_with("2 of 4 sections") && poor.what.contains("0.40 on section 1")
+        );
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::{print_found, print_warnings, table, write_json};
 use crate::change::Change;
 use crate::choice::choose;
 use crate::context::Context;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::io::exact::write_exact;
 use crate::model::{Model, Options};
 use crate::output::{Outputs, write_error};
@@ -59,6 +59,11 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     model.apply(Change::Add(sections), &mut context)?;
     let results = Results::new(&model, &grids, picture)?;
     let checked = model.check(&mut context)?;
+    if let Some(gone) = checked.vanished(&model.sections().materials).into_iter().next()
+        && arguments.input.reading.strict
+    {
+        return Err(Error::Option(gone.what).avoidable(Remedy::NotStrict));
+    }
     let Context { mut stages, progress, .. } = context;
     for target in &targets {
         let stage = target.kind.stage();

@@ -66,12 +66,18 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
         let share = 100.0 * unknown / check.dice.sections.len() as f64;
         writeln!(out, "unknown          {share:.1} % of the sections")?;
     }
-    writeln!(out, "section Dice     mean {:.4}, least {:.4}", check.dice.mean, check.dice.min)?;
-    writeln!(
-        out,
-        "contour distance mean {:.2}, largest {:.2} voxels",
-        check.contours.mean, check.contours.largest
-    )?;
+    match check.dice.mean.zip(check.dice.min) {
+        Some((mean, least)) => writeln!(out, "section Dice     mean {mean:.4}, least {least:.4}")?,
+        None => writeln!(out, "section Dice     none: nothing is on any section")?,
+    }
+    match check.contours.vertices {
+        0 => writeln!(out, "contour distance none: the surface reaches no contour")?,
+        _ => writeln!(
+            out,
+            "contour distance mean {:.2}, largest {:.2} voxels",
+            check.contours.mean, check.contours.largest
+        )?,
+    }
     if let Some(part) = check.support.parts.first() {
         let [x, y, z] = part.at.map(number);
         writeln!(
@@ -229,6 +235,7 @@ fn write_comparison(out: &mut String, comparison: &Comparison) -> std::fmt::Resu
 
 /// Six significant digits.
 fn number(value: f64) -> String {
+    let value = value + 0.0; // no −0
     let digits = value.abs().max(1e-300).log10().floor();
     if (-4.0..6.0).contains(&digits) {
         format!("{value:.*}", (5.0 - digits) as usize)

@@ -53,9 +53,9 @@ pub struct Figures {
     /// The same of normals.
     pub normals: Option<NormalErrors>,
     /// The mean over the sections of how well they agree with the surface.
-    pub dice: f64,
+    pub dice: Option<f64>,
     /// The least of that.
-    pub least_dice: f64,
+    pub least_dice: Option<f64>,
     /// Of all materials, in cubic world units.
     pub volume: f64,
     /// Of all materials' surfaces, in square world units.

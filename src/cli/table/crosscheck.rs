@@ -131,6 +131,7 @@ fn write_points(out: &mut String, points: &Points) -> std::fmt::Result {
         out,
         "must agree       {}",
         match points.violations {
+            0 if points.must_agree == 0 => "none has to".to_owned(),
             0 => "and do".to_owned(),
             count => format!("and DO NOT: {} points and nodes", grouped(count)),
         }

@@ -51,6 +51,7 @@ fn write_label(out: &mut String, report: &Report, label: &LabelCheck) -> Result 
         facts.components,
         facts.genus,
         match label.open_edges {
+            _ if facts.triangles == 0 => "nothing",
             0 if facts.closed && facts.outward => "yes",
             1.. if label.open_at_box && facts.outward => "but for the box",
             _ => "NO",

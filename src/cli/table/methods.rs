@@ -40,9 +40,9 @@ fn write_methods(out: &mut String, entries: &[Entry]) -> std::fmt::Result {
         }
         writeln!(
             out,
-            "{:>8.4}{:>8.4}{:>8}{:>7}{:>8}{:>9.2}{:>9}",
-            figures.dice,
-            figures.least_dice,
+            "{:>8}{:>8}{:>8}{:>7}{:>8}{:>9.2}{:>9}",
+            share(figures.dice),
+            share(figures.least_dice),
             figures.components,
             figures.genus,
             if figures.closed { "yes" } else { "NO" },
@@ -61,6 +61,10 @@ fn write_methods(out: &mut String, entries: &[Entry]) -> std::fmt::Result {
         Some(why) => writeln!(out, "{} does not apply: {why}", entry.method),
         None => Ok(()),
     })
+}
+
+fn share(value: Option<f64>) -> String {
+    value.map_or_else(|| "none".to_owned(), |own| format!("{own:.4}"))
 }
 
 fn write_reference(out: &mut String, figures: &Figures) -> std::fmt::Result {
