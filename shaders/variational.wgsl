@@ -286,7 +286,7 @@ fn pull(at: u32, first: u32, end: u32) -> f32 {
 }
 
 // product = A direction, and for each leaf its part of direction · A direction.
-@compute @workgroup_size(256)
+@compute @workgroup_size(GROUP)
 fn apply(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -348,7 +348,7 @@ fn apply(
 }
 
 // Goes along the direction, and sums up r · D⁻¹ r for each leaf.
-@compute @workgroup_size(256)
+@compute @workgroup_size(GROUP)
 fn advance(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -372,7 +372,7 @@ fn advance(
 }
 
 // The next direction: D⁻¹ r and a part of the last one.
-@compute @workgroup_size(256)
+@compute @workgroup_size(GROUP)
 fn turn(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -397,7 +397,7 @@ fn sum_of_parts(local: u32) -> f32 {
 }
 
 // After `apply`: how far to go.
-@compute @workgroup_size(256)
+@compute @workgroup_size(GROUP)
 fn measure(@builtin(local_invocation_index) local: u32) {
     let curvature = sum_of_parts(local);
     if local != 0u || next.is_done != 0u {
@@ -411,7 +411,7 @@ fn measure(@builtin(local_invocation_index) local: u32) {
 }
 
 // After `advance`: how much of the last direction to keep, and whether to end.
-@compute @workgroup_size(256)
+@compute @workgroup_size(GROUP)
 fn judge(@builtin(local_invocation_index) local: u32) {
     let size = sum_of_parts(local);
     if local != 0u || next.is_done != 0u {

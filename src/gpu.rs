@@ -9,6 +9,13 @@ use wgpu::{BufferUsages, DeviceType};
 
 use crate::error::{Error, Result};
 
+#[cfg(test)]
+pub mod shader;
+
+/// How many storage buffers an entry point of a shader has at most: what every adapter that
+/// WebGPU knows must offer.
+const STORAGE_BUFFERS: u32 = 8;
+
 /// Which adapters will do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Adapter {
@@ -242,9 +249,9 @@ fn no_adapter() -> Error {
     Error::Device(what.to_owned())
 }
 
-/// Whether the adapter runs compute shaders with seven storage buffers.
+/// Whether the adapter runs our compute shaders.
 fn is_capable(adapter: &wgpu::Adapter) -> bool {
     let flags = adapter.get_downlevel_capabilities().flags;
     flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
-        && adapter.limits().max_storage_buffers_per_shader_stage >= 7
+        && adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
 }

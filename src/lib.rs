@@ -116,6 +116,9 @@ pub mod section;
 mod segments;
 mod sets;
 pub mod skeleton;
+#[cfg(test)]
+#[path = "../tests/common/skipped.rs"]
+mod skipped;
 pub mod slice;
 pub mod slots;
 pub mod stack;

@@ -84,7 +84,7 @@ fn backends(boundaries: &Boundaries) -> Vec<Box<dyn Field>> {
     let mut backends: Vec<Box<dyn Field>> = vec![Box::new(Cpu::new(boundaries).unwrap())];
     match Gpu::new(boundaries, Adapter::Any) {
         Ok(gpu) => backends.push(Box::new(gpu)),
-        Err(Error::Device(_)) => println!("skipped: no wgpu adapter"),
+        Err(Error::Device(_)) => common::skipped("no wgpu adapter"),
         Err(other) => panic!("{other}"),
     }
     backends

@@ -37,7 +37,7 @@ fn check(sections: Vec<Section>, voxels: u32) -> Findings {
 #[test]
 fn a_prism_is_joined_by_both() {
     let square = [[-0.5, 0.5]; 2];
-    let findings = check(vec![rectangle(-0.1, square), rectangle(0.1, square)], 80);
+    let findings = check(vec![rectangle(-0.1, square), rectangle(0.1, square)], 160);
     let found = &findings.report.found;
     findings.verdict().unwrap();
     let points = found.points.as_ref().unwrap();
@@ -45,18 +45,10 @@ fn a_prism_is_joined_by_both() {
     // Between the planes, and the two slabs beyond.
     assert_eq!((found.pairing.cells, found.pairing.differ), (3, 0));
     assert_eq!(found.pairing.differences, []);
-    // The box's walls are at b = 0.5 + m, 5 % of the contours' diagonal away,
-    // and known to be outside: at the height h over a section its square
-    // reaches min(0.5, b − h) to either side. The box ends as far beyond the
-    // sections as they are apart, so each cap is as high as half of the gap.
-    let margin = 0.05 * 2.04f64.sqrt();
-    let steps = 10_000;
-    let slice = |step: i32| {
-        let height = 0.1 * (f64::from(step) + 0.5) / f64::from(steps);
-        (2.0 * (0.5 + margin - height).min(0.5)).powi(2)
-    };
-    let between = 0.2 * (0..steps).map(slice).sum::<f64>() / f64::from(steps);
-    let expected = 2.0 * between;
+    // The box's walls are as far from the squares as these are apart, so everywhere between and
+    // beyond the nearest section comes first. The box ends as far beyond the sections, so each cap
+    // is as high as half of the gap.
+    let expected = 2.0 * 0.2;
     let voxel = findings.report.voxel;
     let label = &found.agreement.labels[1];
     assert_eq!(label.label, 1);

@@ -30,7 +30,7 @@ fn gpu(boundaries: &Boundaries) -> Option<Box<dyn Field>> {
     match Gpu::new(boundaries, Adapter::Any) {
         Ok(gpu) => Some(Box::new(gpu)),
         Err(Error::Device(_)) => {
-            println!("skipped: no wgpu adapter");
+            crate::skipped::skipped("no wgpu adapter");
             None
         }
         Err(other) => panic!("{other}"),

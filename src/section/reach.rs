@@ -10,7 +10,7 @@ use crate::plane::{Bounds, Plane};
 const MARGIN: f64 = 0.05;
 /// As far as the widest gap between neighbours of a stack it reaches, so that its sides are no
 /// nearer to a contour than the next section; but no farther than that, relatively.
-const WIDEST: f64 = 0.25;
+const WIDEST: f64 = 0.5;
 /// The sine of the largest angle between planes that count as parallel.
 const PARALLEL: f64 = 1e-2;
 /// The smallest reach, relative to the diagonal: sections that lie closer are two
@@ -36,7 +36,7 @@ impl Sections {
 
     /// The box in which a solid is looked for: around every contour a twentieth of
     /// their diagonal along its plane, or the widest gap between neighbours of a stack if that is
-    /// more (up to a quarter of the diagonal), and its section's reach across. So beyond the
+    /// more (up to half of the diagonal), and its section's reach across. So beyond the
     /// last section of a stack it ends one spacing away. `None` without contours.
     pub fn space(&self) -> Option<Bounds> {
         let widest = widest_gap(&self.sections) / bounds(&self.sections)?.diagonal();
@@ -45,23 +45,28 @@ impl Sections {
     }
 
     /// How large what is drawn is, in world units: twice as far as contours are from the middle
-    /// of them all, but for the fiftieth of their length that is farthest away, so that a speck
+    /// of them, but for the fiftieth of their length that is farthest away, so that a speck
     /// there does not count; and the same however they are turned. 0 without contours.
     pub fn span(&self) -> f64 {
         let segments = self.sections.iter().flat_map(Section::segments);
-        let parts: Vec<(DVec3, f64)> =
+        let mut parts: Vec<(DVec3, f64)> =
             segments.map(|[a, b]| (a.midpoint(b), a.distance(b))).collect();
-        let all: f64 = parts.iter().map(|part| part.1).sum();
-        let middle = parts.iter().map(|&(at, length)| length / all * at).sum::<DVec3>();
-        let mut far: Vec<(f64, f64)> =
-            parts.iter().map(|&(at, length)| (at.distance(middle), length)).collect();
-        far.sort_by(|one, other| other.0.total_cmp(&one.0));
+        let middle = |parts: &[(DVec3, f64)]| {
+            let all: f64 = parts.iter().map(|part| part.1).sum();
+            parts.iter().map(|&(at, length)| length / all * at).sum::<DVec3>()
+        };
+        // What is far away moves the middle, too.
+        let from = middle(&parts);
+        parts.sort_by(|one, other| one.0.distance(from).total_cmp(&other.0.distance(from)));
+        let most = (1.0 - FAR) * parts.iter().map(|part| part.1).sum::<f64>();
         let mut passed = 0.0;
-        let farthest = far.iter().find(|&&(_, length)| {
-            passed += length;
-            passed > FAR * all
+        let near = parts.iter().take_while(|part| {
+            passed += part.1;
+            passed <= most
         });
-        farthest.map_or(0.0, |&(far, _)| 2.0 * far)
+        let near = &parts[..near.count()];
+        let from = middle(near);
+        2.0 * near.iter().map(|part| part.0.distance(from)).fold(0.0, f64::max)
     }
 }
 
@@ -159,9 +164,8 @@ mod tests {
         let space = stack.space().unwrap();
         assert!((space.min.z + 0.25).abs() < 1e-12);
         assert!((space.max.z - 2.25).abs() < 1e-12);
-        // The contours' diagonal is √(2² + 2² + 1.5²).
-        let margin = 0.05 * 10.25f64.sqrt();
-        assert!((space.max.x - 1.0 - margin).abs() < 1e-12);
+        // To the sides as far as the widest gap.
+        assert!((space.max.x - 1.0 - 0.75).abs() < 1e-12);
     }
 
     #[test]
@@ -171,12 +175,13 @@ mod tests {
         for normal in [DVec3::Z, tilted] {
             let stack = discs(&[0.0, 3.0, 6.5, 9.5].map(|at| (normal, at)));
             let (all, space) = (bounds(&stack.sections).unwrap(), stack.space().unwrap());
-            let room = (all.min - space.min).min(space.max - all.max).min_element();
-            let lean = (1.0 - normal.abs() * normal.abs()).map(f64::sqrt).min_element();
-            assert!(normal != DVec3::Z || (room - 3.0).abs() < 1e-9, "{room}");
-            assert!(room >= 3.0 * lean.max(normal.abs().min_element()), "{room}");
+            let room = (all.min - space.min).min(space.max - all.max);
+            let upright = (DVec3::ONE - normal * normal).max(DVec3::ZERO).map(f64::sqrt);
+            // Across, the reach of the last section.
+            let least = (3.5 * upright).max(3.0 * normal.abs());
+            assert!(room.cmpge(least - 1e-9).all(), "{room} {least}");
         }
-        // One gap is wide: a quarter of the diagonal is enough.
+        // One gap is wide: half of the diagonal is enough.
         let two = discs(&[(DVec3::Z, 0.0), (DVec3::Z, 40.0)]);
         let (all, space) = (bounds(&two.sections).unwrap(), two.space().unwrap());
         assert!((space.max.x - all.max.x - WIDEST * all.diagonal()).abs() < 1e-9);

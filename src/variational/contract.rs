@@ -44,7 +44,7 @@ fn gpu() -> Option<Box<dyn Backend>> {
     match Gpu::new(Adapter::Any) {
         Ok(gpu) => Some(Box::new(gpu)),
         Err(Error::Device(_)) => {
-            println!("skipped: no wgpu adapter");
+            crate::skipped::skipped("no wgpu adapter");
             None
         }
         Err(other) => panic!("{other}"),

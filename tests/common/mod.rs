@@ -1,6 +1,10 @@
 //! What the integration tests share.
 
+mod skipped;
+
 use std::path::{Path, PathBuf};
+
+pub use skipped::skipped;
 
 /// A file of real data, in the folder that `TRANSECT_DATA` names; says so when
 /// it is absent.
@@ -13,7 +17,7 @@ pub fn data(name: &str) -> Option<PathBuf> {
     if path.exists() {
         Some(path)
     } else {
-        println!("skipped: {} is absent", path.display());
+        skipped(format_args!("{} is absent", path.display()));
         None
     }
 }

@@ -10,10 +10,10 @@ use glam::DVec3;
 pub const GROUP: usize = 256;
 
 /// WINDOW of `shaders/field_types.wgsl`.
-const WINDOW: usize = 16;
+pub const WINDOW: usize = 16;
 
 /// Points of 32 invocations.
-const WAVE: usize = 128;
+pub const WAVE: usize = 128;
 
 /// A cell as batches see it.
 pub trait LaidOut: Sync {

@@ -242,39 +242,28 @@ mod tests {
     use crate::field::Field;
     use crate::field::fixture::{Stack, busy_stack};
     use crate::field::{Device, Evaluator, Queries, Run};
+    use crate::gpu::shader::Shader;
     use crate::random::Random;
-    use naga::valid::{Capabilities, ValidationFlags, Validator};
-
-    /// Needs no GPU.
-    #[test]
-    fn shader_is_valid() {
-        let module = naga::front::wgsl::parse_str(super::SHADER)
-            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(super::SHADER)));
-        Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&module)
-            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(super::SHADER)));
-    }
 
     /// What the host writes is what the shader reads.
     #[test]
-    fn layouts_agree() {
+    fn the_shader_is_valid_and_its_layouts_are_the_hosts() {
+        use super::batch::{GROUP, WAVE, WINDOW};
         use super::layout::{DeviceCell, DeviceFace, DeviceJob, DevicePoint};
         use crate::field::packing::{Chain, PackedEdge};
-        let sizes = [
+        let shader = Shader::new(super::SHADER);
+        shader.require_sizes(&[
             ("Cell", size_of::<DeviceCell>()),
             ("Face", size_of::<DeviceFace>()),
             ("Chain", size_of::<Chain>()),
             ("Edge", size_of::<PackedEdge>()),
             ("Point", size_of::<DevicePoint>()),
             ("Job", size_of::<DeviceJob>()),
-        ];
-        let module = naga::front::wgsl::parse_str(super::SHADER).unwrap();
-        let context = module.to_ctx();
-        for (name, size) in sizes {
-            let (_, found) =
-                module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name)).unwrap();
-            assert_eq!(found.inner.size(context) as usize, size, "{name}");
-        }
+        ]);
+        let (invocations, points) = (shader.constant("GROUP"), shader.constant("POINTS"));
+        assert_eq!((GROUP, WAVE), (invocations * points, 32 * points));
+        assert_eq!(WINDOW, shader.constant("WINDOW"));
+        assert_eq!(shader.workgroups(), [invocations as u32]);
     }
 
     fn stack_batches(limits: Limits) -> (Queries, Vec<Batch>) {
@@ -344,7 +333,7 @@ mod tests {
             let boundaries = Boundaries::new(&complex, 1e-6, None).unwrap();
             let gpu = match evaluator.field(&boundaries, Device::Gpu) {
                 Ok(gpu) => gpu,
-                Err(Error::Device(_)) => return println!("skipped: no wgpu adapter"),
+                Err(Error::Device(_)) => return crate::skipped::skipped("no wgpu adapter"),
                 Err(other) => panic!("{other}"),
             };
             // What it evaluates is the field of these cells, whatever was before.
@@ -364,7 +353,7 @@ mod tests {
         match Gpu::new(boundaries, Adapter::Any) {
             Ok(gpu) => Some(gpu),
             Err(Error::Device(_)) => {
-                println!("skipped: no wgpu adapter");
+                crate::skipped::skipped("no wgpu adapter");
                 None
             }
             Err(other) => panic!("{other}"),

@@ -39,7 +39,7 @@ fn gpu(boundaries: &Boundaries, nodes: &Nodes, options: &Options) -> Option<Box<
             Some(Box::new(Gpu::on(opened.into(), Cpu::on(boundaries, nodes, options, 1.0))))
         }
         Err(Error::Device(_)) => {
-            println!("skipped: no wgpu adapter");
+            crate::skipped::skipped("no wgpu adapter");
             None
         }
         Err(other) => panic!("{other}"),

@@ -263,29 +263,20 @@ impl Tables {
 
 #[cfg(test)]
 mod tests {
-    use naga::valid::{Capabilities, ValidationFlags, Validator};
-
     use super::*;
     use crate::field::gpu::layout::DevicePoint;
+    use crate::gpu::shader::Shader;
 
-    /// Needs no GPU.
     #[test]
     fn the_shader_is_valid_and_its_layouts_are_the_hosts() {
-        let module = naga::front::wgsl::parse_str(SHADER)
-            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(SHADER)));
-        Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&module)
-            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(SHADER)));
-        let context = module.to_ctx();
-        for (name, size) in [
+        let shader = Shader::new(SHADER);
+        shader.require_sizes(&[
             ("Cell", size_of::<DeviceCell>()),
             ("Face", size_of::<DeviceFace>()),
             ("Point", size_of::<DevicePoint>()),
             ("Job", size_of::<DeviceJob>()),
-        ] {
-            let (_, found) =
-                module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name)).unwrap();
-            assert_eq!(found.inner.size(context) as usize, size, "{name}");
-        }
+        ]);
+        assert_eq!(shader.constant("GROUP"), INVOCATIONS);
+        assert_eq!(shader.workgroups(), [INVOCATIONS as u32]);
     }
 }

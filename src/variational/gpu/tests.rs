@@ -1,11 +1,11 @@
 //! What is the GPU's alone; the contract has the rest.
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
-
 use super::layout::{DeviceLeaf, State, Tables};
 use super::*;
 use crate::error::Error;
+use crate::gpu::shader::Shader;
 use crate::variational::contract::{cases, right};
+use crate::variational::system::SIDE;
 
 const LIMITS: Limits = Limits { iterations: 20, tolerance: 1e-6, of: 0.0 };
 
@@ -13,38 +13,25 @@ fn any_gpu() -> Option<Gpu> {
     match Gpu::new(Adapter::Any) {
         Ok(gpu) => Some(gpu),
         Err(Error::Device(_)) => {
-            println!("skipped: no wgpu adapter");
+            crate::skipped::skipped("no wgpu adapter");
             None
         }
         Err(other) => panic!("{other}"),
     }
 }
 
-/// Needs no GPU.
 #[test]
-fn shader_is_valid() {
-    let module = naga::front::wgsl::parse_str(SHADER)
-        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(SHADER)));
-    Validator::new(ValidationFlags::all(), Capabilities::empty())
-        .validate(&module)
-        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(SHADER)));
-}
-
-/// What the host writes is what the shader reads.
-#[test]
-fn layouts_agree() {
-    let sizes = [
+fn the_shader_is_valid_and_its_layouts_are_the_hosts() {
+    let shader = Shader::new(SHADER);
+    shader.require_sizes(&[
         ("Leaf", size_of::<DeviceLeaf>()),
         ("Sample", size_of::<Sample>()),
         ("State", size_of::<State>()),
-    ];
-    let module = naga::front::wgsl::parse_str(SHADER).unwrap();
-    let context = module.to_ctx();
-    for (name, size) in sizes {
-        let (_, found) =
-            module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name)).unwrap();
-        assert_eq!(found.inner.size(context) as usize, size, "{name}");
-    }
+    ]);
+    assert_eq!(shader.constant("SIDE") as i32, SIDE);
+    let invocations = shader.constant("GROUP");
+    assert_eq!(2 * invocations, LEAF_NODES);
+    assert!(shader.workgroups().iter().all(|&own| own as usize == invocations));
 }
 
 /// Every leaf keeps its samples, those of a cell together.
