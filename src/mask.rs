@@ -114,8 +114,9 @@ fn beyond(
 fn cover(plane: &Plane, points: &[DVec3], edges: &[Edge]) -> Result<Section> {
     let diagonal = crate::plane::Bounds::around(points.iter().copied());
     let diagonal = diagonal.map_or(0.0, |bounds| bounds.diagonal());
-    Section::from_graph("mask", *plane, points, edges, diagonal, &Rules::default())
-        .map(|(section, _)| section)
+    // Nobody is told of what is doubtful.
+    let rules = Rules { strict: true, ..Rules::default() };
+    Section::from_graph("mask", *plane, points, edges, diagonal, &rules).map(|(section, _)| section)
 }
 
 #[cfg(test)]

@@ -64,6 +64,28 @@ impl SegmentTree {
         (found != u32::MAX).then(|| square.sqrt())
     }
 
+    /// The numbers of all segments that are no farther from a point than a limit, in their order.
+    pub fn within(&self, limit: f64, point: DVec3) -> Vec<u32> {
+        let square = limit * limit;
+        let mut found = Vec::new();
+        let mut waiting: Vec<u32> = if self.boxes.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(number) = waiting.pop() {
+            let node = &self.boxes[number as usize];
+            if node.squared_gap(point) > square {
+                continue;
+            }
+            if node.second == 0 {
+                let own = &self.segments[node.first as usize..][..node.count as usize];
+                let near = own.iter().filter(|(ends, _)| squared_distance(*ends, point) <= square);
+                found.extend(near.map(|&(_, number)| number));
+            } else {
+                waiting.extend([number + 1, node.second]);
+            }
+        }
+        found.sort_unstable();
+        found
+    }
+
     /// Lowers `square` to the smallest squared distance, if there is a smaller
     /// one, and says whose it is.
     fn search(&self, point: DVec3, square: &mut f64, nearest: &mut u32) {
@@ -161,6 +183,10 @@ mod tests {
             assert_eq!(squared_distance(segments[nearest as usize], point).sqrt(), expected);
             let below = tree.distance_below(0.05, point);
             assert_eq!(below, Some(expected).filter(|&distance| distance < 0.05));
+            let near =
+                |&number: &u32| squared_distance(segments[number as usize], point) <= 0.05 * 0.05;
+            let right: Vec<u32> = (0..segments.len() as u32).filter(near).collect();
+            assert_eq!(tree.within(0.05, point), right);
         }
     }
 
@@ -169,5 +195,6 @@ mod tests {
         let tree = SegmentTree::new(Vec::new());
         assert_eq!(tree.distance(DVec3::ZERO, &mut Hint::default()), f64::INFINITY);
         assert_eq!(tree.distance_below(1.0, DVec3::ZERO), None);
+        assert!(tree.within(1.0, DVec3::ZERO).is_empty());
     }
 }

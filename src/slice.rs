@@ -126,7 +126,8 @@ fn sections(
         .map(|(number, plane)| {
             let cut = cut(plane);
             let name = format!("plane {}", number + 1);
-            let rules = Rules::default();
+            // Nobody is told of what is doubtful.
+            let rules = Rules { strict: true, ..Rules::default() };
             Section::from_graph(&name, *plane, &cut.points, &cut.edges, diagonal, &rules)
                 .map(|(section, _)| section)
         })

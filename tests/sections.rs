@@ -2,6 +2,8 @@
 //! round trips, and damaged text.
 
 mod common;
+#[path = "common/patchwork.rs"]
+mod patchwork;
 #[path = "common/random.rs"]
 #[expect(dead_code, reason = "other tests use the rest")]
 mod random;
@@ -390,6 +392,52 @@ fn what_is_written_reads_the_same() {
             assert_round_trip(&corpus(file), csl::write, csl::read);
         }
     }
+}
+
+/// Squares at heights 2, 4 and 6, as `.csl` with D of either sign.
+fn stack_with(sign: i32, corner: u32) -> Result<Sections> {
+    let mut text = "CSLC\n3 1\n".to_owned();
+    for height in [2, 4, 6] {
+        text += &format!("{height} 4 1 0 0 1 {}\n", sign * height);
+        text += &format!("0 0 {height}\n1 0 {height}\n1 1 {height}\n0 {corner} {height}\n");
+        text += "4 1 0 1 2 3\n";
+    }
+    csl::read(&text, Path::new("d.csl"), &Rules::default())
+}
+
+#[test]
+fn the_sign_of_d_is_read_off_the_vertices() {
+    let (expected, turned) = (stack_with(-1, 1).unwrap(), stack_with(1, 1).unwrap());
+    assert_eq!(turned.sections, expected.sections);
+    assert_eq!((expected.warnings.len(), turned.warnings.len()), (0, 1));
+    assert_says(&turned.warnings[0].what, &["D has the other sign throughout"]);
+}
+
+#[test]
+fn a_section_of_degenerate_contours_alone_is_left_out() {
+    let section = |offset: u32, loops: &str| {
+        format!(r#"{{"normal": [0, 0, 1], "offset": {offset}, "loops": [{loops}]}}"#)
+    };
+    let read = |loops: [&str; 3]| {
+        let sections: Vec<String> = (0..3).map(|i| section(i, loops[i as usize])).collect();
+        let text = format!(
+            r#"{{"transect": "sections", "version": 1, "sections": [{}]}}"#,
+            sections.join(", ")
+        );
+        json::read(&text, Path::new("d.json"), &Rules::default())
+    };
+    let triangle = |z: u32| format!(r#"{{"label": 1, "points": [[0,0,{z}],[1,0,{z}],[0,1,{z}]]}}"#);
+    let flat = |z: u32| format!(r#"{{"label": 1, "points": [[0,0,{z}],[1,0,{z}],[0,0,{z}]]}}"#);
+    let found = read([&triangle(0), &flat(1), ""]).unwrap();
+    let names: Vec<&str> = found.sections.iter().map(Section::name).collect();
+    // The last is empty because somebody says so.
+    assert_eq!(names, ["1", "3"]);
+    let told: Vec<(&str, bool)> = (found.left_out.iter())
+        .map(|told| (told.section.as_str(), told.what.contains("the section is left out")))
+        .collect();
+    assert_eq!(told, [("2", false), ("2", true)]);
+    let error = read([&flat(0), &flat(1), &flat(2)]).unwrap_err().to_string();
+    assert_says(&error, &["d.json", "no contour of any section encloses an area"]);
 }
 
 /// Real files: planes, vertices, loops and holes that they hold.

@@ -3,6 +3,7 @@
 mod compare_methods;
 mod images;
 mod online;
+mod reading;
 mod slice;
 
 use std::path::PathBuf;
@@ -15,18 +16,17 @@ use crate::error::Error;
 use crate::field::Device;
 use crate::field::hermite::Gradients;
 use crate::grid::lattice::Resolution;
-use crate::io::read_all;
 use crate::label::Label;
 use crate::mesh::decimation::Decimation;
 use crate::mesh::delaunay;
 use crate::method::{Caps, Mesher};
 use crate::model;
 use crate::picture::{self, Viewpoint};
-use crate::section::{Overlap, Rules, Sections};
 
 pub use compare_methods::CompareMethodsArguments;
 pub use images::ImageArguments;
 pub use online::{FrameKind, OnlineArguments};
+pub use reading::{InputArguments, ReadingArguments};
 pub use slice::{AxisName, SliceArguments};
 
 /// Volumes and surfaces from labelled planar cross-sections of any orientation.
@@ -243,52 +243,6 @@ pub struct ThreadsArgument {
     #[arg(long = "threads", value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub count: Option<u32>,
-}
-
-#[derive(Debug, Args)]
-pub struct InputArguments {
-    /// Section files: .csl, .contour, .json; volumes of labels: .nrrd, .nhdr, .nii, .nii.gz; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
-    #[arg(required = true, value_name = "SECTIONS")]
-    pub sections: Vec<PathBuf>,
-    #[command(flatten)]
-    pub reading: ReadingArguments,
-}
-
-impl InputArguments {
-    pub fn read(&self) -> crate::error::Result<Sections> {
-        self.reading.images.require_use(&self.sections)?;
-        read_all(&self.sections, &self.reading.rules())
-    }
-}
-
-#[derive(Debug, Clone, Args, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub struct ReadingArguments {
-    /// Turn every warning into an error
-    #[arg(long)]
-    pub strict: bool,
-    /// Who wins where loops of different labels overlap, instead of an error
-    #[arg(long, value_enum)]
-    pub overlap: Option<OverlapName>,
-    /// The label that means unknown in these files; 0 leaves only materials known
-    #[arg(long, value_name = "ID", value_parser = clap::value_parser!(u32).range(..i64::from(u32::MAX)))]
-    pub unknown_label: Option<u32>,
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub images: ImageArguments,
-}
-
-impl ReadingArguments {
-    pub fn rules(&self) -> Rules {
-        let overlap = self.overlap.map(|name| match name {
-            OverlapName::First => Overlap::First,
-            OverlapName::Last => Overlap::Last,
-            OverlapName::Smallest => Overlap::Smallest,
-        });
-        let unknown = self.unknown_label.map(Label);
-        let images = self.images.rules();
-        Rules { overlap, unknown, strict: self.strict, images, ..Rules::default() }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -517,14 +471,6 @@ impl From<DeviceName> for Device {
             DeviceName::Gpu => Self::Gpu,
         }
     }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum OverlapName {
-    First,
-    Last,
-    Smallest,
 }
 
 fn positive(text: &str) -> Result<f64, String> {

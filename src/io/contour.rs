@@ -9,7 +9,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::text::Rows;
-use super::{Raw, check, diagonal};
+use super::{Raw, check, diagonal, off_planes};
 use crate::error::{Error, Result};
 use crate::label::Label;
 use crate::plane::Plane;
@@ -86,14 +86,9 @@ fn section(rows: &mut Rows, name: &str) -> Result<Raw<Content>> {
 
 /// a x + b y + c z = d, or … + d = 0: whichever the file's vertices are nearer to.
 fn settle_offset(raw: &mut [Raw<Content>]) {
-    let residual = |sign: f64| -> f64 {
-        let of = |content: &Content| {
-            let plane = Plane { offset: sign * content.plane.offset, ..content.plane };
-            content.points.iter().map(|&point| plane.distance(point).abs()).sum::<f64>()
-        };
-        raw.iter().map(|raw| of(&raw.content)).sum()
-    };
-    if residual(-1.0) < residual(1.0) {
+    let planes = raw.iter().map(|raw| (&raw.content.plane, raw.content.points.as_slice()));
+    let [given, other] = off_planes(planes);
+    if other < given {
         for raw in raw {
             raw.content.plane.offset = -raw.content.plane.offset;
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::text::{Row, Rows, shortened};
-use super::{Raw, check, diagonal, unwritten};
+use super::{Raw, check, diagonal, off_planes, unwritten};
 use crate::error::{Error, Result};
 use crate::label::Label;
 use crate::plane::Plane;
@@ -42,12 +42,32 @@ pub fn read(text: &str, file: &Path, rules: &Rules) -> Result<Sections> {
         raw.push(section(&mut rows, number)?);
     }
     let diagonal = diagonal(raw.iter().flat_map(|raw: &Raw<Content>| &raw.content.points));
+    let is_turned = settle_offset(&mut raw, rules.tolerance * diagonal);
     let mut sections = check(file, &raw, rules, |raw| {
         let Content { plane, loops, .. } = &raw.content;
         Section::from_loops(&raw.name, *plane, loops, diagonal, rules)
     })?;
+    if is_turned {
+        let what = "D has the other sign throughout, as in A x + B y + C z = D: the planes are read \
+                    where their vertices are";
+        super::doubt(&mut sections, file, "the planes", what.to_owned(), rules)?;
+    }
     super::refuse_rest(&mut rows, count, file, rules, &mut sections)?;
     Ok(sections)
+}
+
+/// Where vertices are off the planes by more than a tolerance (in world units), and on those with
+/// the other sign of D, these are meant.
+fn settle_offset(raw: &mut [Raw<Content>], tolerance: f64) -> bool {
+    let planes = raw.iter().map(|raw| (&raw.content.plane, raw.content.points.as_slice()));
+    let [given, other] = off_planes(planes);
+    let is_turned = given > tolerance && other <= tolerance;
+    if is_turned {
+        for raw in raw {
+            raw.content.plane.offset = -raw.content.plane.offset;
+        }
+    }
+    is_turned
 }
 
 fn section(rows: &mut Rows, number: usize) -> Result<Raw<Content>> {

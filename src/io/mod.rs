@@ -20,10 +20,11 @@ pub mod vtk;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::{Error, Remedy, Result};
-use crate::plane::Bounds;
+use crate::plane::{Bounds, Plane};
 use crate::section::{Findings, Rules, Section, Sections, Warning};
 
 pub use mesh::{read_mesh, write_mesh};
@@ -144,9 +145,15 @@ fn check<T: Sync>(
     for result in made {
         let (section, findings) = result?;
         unknown_occurs |= rules.unknown.is_some_and(|label| section.labels().contains(&label));
-        // Before sections of one plane are merged: each completes the other.
-        sections.push(section.relabelled(|label| rules.meaning(label)));
+        if !findings.is_void {
+            // Before sections of one plane are merged: each completes the other.
+            sections.push(section.relabelled(|label| rules.meaning(label)));
+        }
         found.append(findings);
+    }
+    if sections.is_empty() && found.is_void {
+        let what = "no contour of any section encloses an area: export the contours again";
+        return Err(Error::file(file, what));
     }
     let mut sections = Sections::new(sections, rules).map_err(|error| in_file(file, raw, error))?;
     sections.note(found);
@@ -180,8 +187,19 @@ fn in_file<T>(file: &Path, raw: &[Raw<T>], error: Error) -> Error {
     })
 }
 
+/// How far points are off their planes at most, in world units: with the planes as a file gives
+/// them, and with the other sign of their offsets.
+fn off_planes<'a>(planes: impl Iterator<Item = (&'a Plane, &'a [DVec3])>) -> [f64; 2] {
+    planes.fold([0.0; 2], |most, (plane, points)| {
+        let other = Plane { offset: -plane.offset, ..*plane };
+        [(most[0], *plane), (most[1], other)].map(|(most, plane)| {
+            points.iter().map(|&point| plane.distance(point).abs()).fold(most, f64::max)
+        })
+    })
+}
+
 /// The diagonal of all vertices of a file.
-fn diagonal<'a>(points: impl Iterator<Item = &'a glam::DVec3>) -> f64 {
+fn diagonal<'a>(points: impl Iterator<Item = &'a DVec3>) -> f64 {
     let finite = points.copied().filter(|point| point.is_finite());
     Bounds::around(finite).map_or(0.0, |bounds| bounds.diagonal())
 }
@@ -207,8 +225,19 @@ fn refuse_rest(
         "line {}: the header promises {count} sections, but more follows: it is not read",
         rows.line
     );
+    doubt(sections, file, "the end", what, rules)
+}
+
+/// Something is doubtful about a place of a file: a warning, or an error when strict.
+fn doubt(
+    sections: &mut Sections,
+    file: &Path,
+    place: &str,
+    what: String,
+    rules: &Rules,
+) -> Result<()> {
     if rules.strict {
-        return Err(Error::input(file, "the end", what).avoidable(Remedy::NotStrict));
+        return Err(Error::input(file, place, what).avoidable(Remedy::NotStrict));
     }
     sections.warnings.push(Warning { section: String::new(), what });
     Ok(())

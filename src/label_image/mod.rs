@@ -84,14 +84,15 @@ impl LabelImage {
         let plane = Plane { normal, offset: normal.dot(origin) };
         let [width, height] = self.pixels.size.map(|pixels| pixels as f64);
         let diagonal = (width * steps[0]).length().hypot((height * steps[1]).length());
-        let section = |contours: &Contours| {
+        let section = |contours: &Contours, rules: &Rules| {
             let place = |at: &DVec2| origin + at.x * steps[0] + at.y * steps[1];
             let points: Vec<DVec3> = contours.points.iter().map(place).collect();
             Section::from_graph(name, plane, &points, &contours.edges, diagonal, rules)
         };
         let contours = contours(&self.pixels, &rules.images.curves);
         // Curves that nearly touch may cross when they have fewer points.
-        section(&contours.simplified(STRAIGHT)).or_else(|_| section(&contours))
+        let strict = Rules { strict: true, ..*rules };
+        section(&contours.simplified(STRAIGHT), &strict).or_else(|_| section(&contours, rules))
     }
 
     /// The labels that pixels on the image's border have, but for outside; sorted.

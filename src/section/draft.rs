@@ -9,8 +9,12 @@ use crate::plane::Plane;
 
 /// Coordinates beyond this overflow when areas and moments are computed.
 const LARGEST: f64 = 1e75;
+/// How near vertices and edges are the same, relative to the diagonal, where the rules do not
+/// say: files of seven digits round away more than that, and coincidences of doubles far less.
+const SNAPPING: f64 = 1e-8;
 
 /// A section in the making.
+#[derive(Clone)]
 pub(super) struct Draft<'a> {
     pub name: &'a str,
     pub plane: Plane,
@@ -23,7 +27,8 @@ pub(super) struct Draft<'a> {
 impl<'a> Draft<'a> {
     /// Refuses planes that are none.
     pub fn new(name: &'a str, plane: Plane, diagonal: f64, rules: &'a Rules) -> Result<Self> {
-        let findings = Findings::default();
+        let snapping = snapping(rules, diagonal);
+        let findings = Findings { snapping, ..Findings::default() };
         let tolerance = rules.tolerance * diagonal;
         let draft = Self { name, plane, rules, findings, tolerance };
         let Plane { normal, offset } = plane;
@@ -58,6 +63,14 @@ impl<'a> Draft<'a> {
         Ok(())
     }
 
+    /// None of what was drawn encloses anything.
+    pub fn leave_all_out(&mut self) {
+        self.findings.is_void = true;
+        self.leave_out(
+            "none of its contours encloses anything: the section is left out".to_owned(),
+        );
+    }
+
     /// Something is left out.
     pub fn leave_out(&mut self, what: String) {
         self.findings.left_out.push(Warning { section: self.name.to_owned(), what });
@@ -90,6 +103,11 @@ impl<'a> Draft<'a> {
     pub fn place(&self, kept: DVec2) -> DVec3 {
         self.plane.lift(kept) + 0.0 // no -0
     }
+}
+
+/// How near vertices and edges are the same, in world units, in a drawing of this diagonal.
+pub(super) fn snapping(rules: &Rules, diagonal: f64) -> f64 {
+    rules.snapping.unwrap_or(SNAPPING * diagonal)
 }
 
 /// A bound on the rounding error of the distance of a point that is the nearest

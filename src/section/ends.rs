@@ -5,7 +5,6 @@ use std::borrow::Cow;
 use glam::DVec3;
 
 use super::draft::Draft;
-use super::overlay::Overlay;
 use super::{Rules, Section, Sections, reach};
 use crate::error::Result;
 use crate::label::Label;
@@ -124,18 +123,9 @@ impl Section {
         let plane = Plane { offset: self.plane.offset + by.dot(self.plane.normal), ..self.plane };
         let aside = plane.project(by);
         let vertices = self.vertices.iter().map(|&vertex| vertex + aside).collect();
-        let moved = Self { plane, vertices, ..self.clone() };
-        let blank = Self {
-            vertices: Vec::new(),
-            edges: Vec::new(),
-            normals: Vec::new(),
-            background: Label::UNKNOWN,
-            ..moved.clone()
-        };
         let rules = Rules::default();
-        let draft = Draft::new(&self.name, plane, 0.0, &rules)?;
-        let overlay = Overlay::new(&draft, [&moved, &blank])?;
-        Ok(overlay.section(&draft, |[own, _]| own))
+        let mut draft = Draft::new(&self.name, plane, 0.0, &rules)?;
+        Self { plane, vertices, ..self.clone() }.settled(&mut draft)
     }
 }
 

@@ -17,7 +17,7 @@ const NAMED: usize = 8;
 
 impl Section {
     /// This section within an extent: a polygon on its plane, beyond which all
-    /// is unknown. `loops` is what the section was made of, where it was:
+    /// is unknown. Vertices that are nearly on it are put there. `loops` is what the section was made of, where it was:
     /// warnings name those that reach beyond.
     ///
     /// # Errors
@@ -32,8 +32,8 @@ impl Section {
     ) -> Result<(Self, Findings)> {
         let mut draft = Draft::new(&self.name, self.plane, diagonal, rules)?;
         let extent = project(&mut draft, extent)?;
-        let inside = enclosed(&draft, &extent)?;
-        let overlay = Overlay::new(&draft, [self, &inside])?;
+        let inside = enclosed(&mut draft, &extent)?;
+        let overlay = Overlay::new(&mut draft, [self, &inside])?;
         for label in self.labels().into_iter().filter(|&label| rules.meaning(label).is_material()) {
             let beyond = overlay.part(&draft, |[here, inside]| here == label && inside != COVERED);
             let Some((area, place)) = beyond else { continue };
@@ -57,8 +57,8 @@ impl Section {
     /// unknown. The mask has the label [`COVERED`] where it covers.
     pub(crate) fn without(&self, mask: &Self) -> Result<Self> {
         let rules = Rules::default();
-        let draft = Draft::new(&self.name, self.plane, 0.0, &rules)?;
-        let overlay = Overlay::new(&draft, [self, mask])?;
+        let mut draft = Draft::new(&self.name, self.plane, 0.0, &rules)?;
+        let overlay = Overlay::new(&mut draft, [self, mask])?;
         Ok(overlay.section(
             &draft,
             |[label, mask]| {
@@ -80,7 +80,7 @@ fn project(draft: &mut Draft, extent: &[DVec3]) -> Result<Vec<DVec2>> {
 }
 
 /// The inside of an extent, as a section of its own.
-fn enclosed(draft: &Draft, extent: &[DVec2]) -> Result<Section> {
+fn enclosed(draft: &mut Draft, extent: &[DVec2]) -> Result<Section> {
     let mut curves = Curves::default();
     curves.polygon(0, extent);
     let subdivision = curves.subdivide(draft)?;
@@ -110,8 +110,10 @@ fn strays(draft: &Draft, extent: &[DVec2], loops: &[Loop], label: Label) -> Resu
         curves.polygon(number, &points);
     }
     curves.polygon(loops.len(), extent);
+    curves.fixed = Some(loops.len() as u32);
     let beyond = |windings: &&Windings| times(windings, loops.len() as u32) == 0;
-    let windings = curves.subdivide(draft)?.windings();
+    // What is snapped has been counted.
+    let windings = curves.subdivide(&mut draft.clone())?.windings();
     let inside = windings.iter().filter(beyond).flatten().filter(|&&(_, times)| odd(times));
     let mut strays: Vec<usize> = inside.map(|&(curve, _)| curve as usize).collect();
     strays.sort_unstable();

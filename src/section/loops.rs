@@ -15,7 +15,9 @@ impl Section {
     /// A section from closed loops.
     ///
     /// A point's label is that of the outer loop that covers it by the even-odd
-    /// rule, holes taken away. Loops may touch themselves and each other.
+    /// rule, holes taken away. Loops may touch themselves and each other, and what
+    /// nearly touches does ([`Rules::snapping`]). Where there are loops and none encloses
+    /// anything, all is unknown.
     ///
     /// # Errors
     /// Where the plane is none, a point is not finite or too far off the plane,
@@ -37,12 +39,15 @@ impl Section {
             sizes.push(area(&points));
             curves.polygon(number, &points);
         }
-        let subdivision = curves.subdivide(&draft)?;
+        let subdivision = curves.subdivide(&mut draft)?;
         let windings = subdivision.windings();
         leave_out_degenerate(&mut draft, loops, &windings);
         warn_of_crossings(&mut draft, loops, &subdivision, &windings)?;
         let faces = Faces { loops, sizes: &sizes, subdivision: &subdivision, windings: &windings };
-        let labels = faces.labels(&mut draft)?;
+        let mut labels = faces.labels(&mut draft)?;
+        if draft.findings.is_void {
+            labels.fill(Label::UNKNOWN);
+        }
         let section = subdivision.section(&draft, &labels);
         Ok((section, draft.findings))
     }
@@ -98,6 +103,9 @@ fn leave_out_degenerate(draft: &mut Draft, loops: &[Loop], windings: &[Windings]
             "loop {number} ({} vertices{place}) encloses no area",
             points.len()
         ));
+    }
+    if !loops.is_empty() && !encloses.contains(&true) {
+        draft.leave_all_out();
     }
 }
 

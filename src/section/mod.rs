@@ -2,6 +2,7 @@
 
 mod agreement;
 mod builder;
+mod common_lines;
 mod draft;
 pub mod ends;
 mod extent;
@@ -15,6 +16,7 @@ pub mod reach;
 mod rectangle;
 mod regions;
 mod sections;
+mod snapping;
 mod stack;
 mod subdivision;
 #[cfg(test)]
@@ -208,6 +210,9 @@ pub struct Rules {
     /// How far off its plane a vertex may lie, relative to the diagonal of
     /// all vertices of the file.
     pub tolerance: f64,
+    /// How near to one another vertices and edges of a section are the same, in world units; 0
+    /// takes every drawing as it is. Without it, 1e-8 of the diagonal of all vertices of the file.
+    pub snapping: Option<f64>,
     /// Who wins where loops overlap; without it that is an error.
     pub overlap: Option<Overlap>,
     /// An ordinary label that means *unknown* in the files.
@@ -228,7 +233,14 @@ impl Rules {
 impl Default for Rules {
     fn default() -> Self {
         let images = ImageRules::default();
-        Self { tolerance: 1e-3, overlap: None, unknown: None, strict: false, images }
+        Self {
+            tolerance: 1e-3,
+            snapping: None,
+            overlap: None,
+            unknown: None,
+            strict: false,
+            images,
+        }
     }
 }
 
@@ -241,6 +253,14 @@ pub struct Findings {
     pub left_out: Vec<Warning>,
     /// The largest distance of a vertex off the plane, in world units.
     pub off_plane: f64,
+    /// How many vertices were nearer than the tolerance to others, or to edges, and so were put
+    /// on them.
+    pub snapped: usize,
+    /// The largest such tolerance ([`Rules::snapping`]), in world units.
+    pub snapping: f64,
+    /// Whether there are contours, and none of them encloses anything: then the section says
+    /// nothing, not that all is outside.
+    pub is_void: bool,
 }
 
 impl Findings {
@@ -249,5 +269,8 @@ impl Findings {
         self.warnings.extend(other.warnings);
         self.left_out.extend(other.left_out);
         self.off_plane = self.off_plane.max(other.off_plane);
+        self.snapped += other.snapped;
+        self.snapping = self.snapping.max(other.snapping);
+        self.is_void |= other.is_void;
     }
 }

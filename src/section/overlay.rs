@@ -1,7 +1,7 @@
 //! Two sections of one plane laid over each other: the merging of coincident
 //! planes, extents and masks.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::draft::{Draft, stretch};
 use super::normals::Normals;
@@ -9,6 +9,7 @@ use super::subdivision::{Curves, Subdivision, Windings, times};
 use super::{Edge, Section};
 use crate::error::Result;
 use crate::label::Label;
+use crate::plane::Plane;
 
 /// Two sections over each other.
 pub(super) struct Overlay {
@@ -19,18 +20,26 @@ pub(super) struct Overlay {
 }
 
 impl Overlay {
-    /// Lays two sections with the same kept axes over each other.
-    pub fn new(draft: &Draft, sections: [&Section; 2]) -> Result<Self> {
+    /// Lays two sections with the same kept axes over each other. What nearly touches the second
+    /// is put on it.
+    pub fn new(draft: &mut Draft, sections: [&Section; 2]) -> Result<Self> {
         let mut curves = Curves::default();
         // Every label but the background is a curve: the boundary of its
         // regions. A face has the label that winds around it. So labels stay
         // meaningful when rounding moves an edge across a vertex.
         let labels = sections.map(Section::labels);
         let count = labels[0].len();
-        add(&mut curves, sections[0], |label| labels[0].binary_search(&label).ok());
-        add(&mut curves, sections[1], |label| {
-            labels[1].binary_search(&label).ok().map(|i| count + i)
-        });
+        for (section, labels, first) in
+            [(sections[0], &labels[0], 0), (sections[1], &labels[1], count)]
+        {
+            let numbers: Vec<u32> =
+                section.vertices.iter().map(|&vertex| curves.point(vertex)).collect();
+            let is_drawn = |label: &Label| *label != section.background;
+            curves.boundaries(&section.edges, &numbers, |label| {
+                labels.binary_search(&label).ok().filter(|_| is_drawn(&label)).map(|i| first + i)
+            });
+        }
+        curves.fixed = Some(count as u32);
         let subdivision = curves.subdivide(draft)?;
         let faces = subdivision.windings();
         let of = |windings: &Windings| {
@@ -76,19 +85,6 @@ impl Overlay {
     }
 }
 
-/// Adds a section's edges to the boundaries of the labels on either side.
-fn add(curves: &mut Curves, section: &Section, curve: impl Fn(Label) -> Option<usize>) {
-    let numbers: Vec<u32> = section.vertices.iter().map(|&vertex| curves.point(vertex)).collect();
-    for edge in &section.edges {
-        let [start, end] = [edge.start, edge.end].map(|vertex| numbers[vertex as usize]);
-        for (label, start, end) in [(edge.left, start, end), (edge.right, end, start)] {
-            if let Some(curve) = curve(label).filter(|_| label != section.background) {
-                curves.segment(curve, start, end);
-            }
-        }
-    }
-}
-
 /// The label of a section that winds around a face most, the background when
 /// none does.
 fn label(windings: &Windings, section: &Section, labels: &[Label], first: usize) -> Label {
@@ -100,17 +96,35 @@ fn label(windings: &Windings, section: &Section, labels: &[Label], first: usize)
 }
 
 impl Section {
-    /// The same partition seen from the other side: for a plane that is this
-    /// one's with the opposite normal.
-    pub(super) fn turned(&self, onto: &Self) -> Self {
-        let swap = |edge: &Edge| Edge { left: edge.right, right: edge.left, ..*edge };
+    /// The same on a plane that is nearly this one's, either way round, as points off their plane
+    /// are put on it. Exactly the same where it is this one's.
+    pub(super) fn onto(&self, plane: Plane) -> Self {
+        let is_turned = self.plane.normal.dot(plane.normal) < 0.0;
+        let swap = |edge: &Edge| match is_turned {
+            true => Edge { left: edge.right, right: edge.left, ..*edge },
+            false => *edge,
+        };
+        let vertices = 0..self.vertices.len() as u32;
         Self {
             name: self.name.clone(),
-            plane: onto.plane,
-            vertices: self.vertices.iter().map(|vertex| DVec2::new(vertex.y, vertex.x)).collect(),
+            plane,
+            vertices: vertices.map(|vertex| plane.project(self.point(vertex)) + 0.0).collect(),
             edges: self.edges.iter().map(swap).collect(),
             background: self.background,
             normals: self.normals.clone(),
         }
+    }
+
+    /// The same after its vertices have moved a little: edges meet in vertices alone again.
+    pub(super) fn settled(self, draft: &mut Draft) -> Result<Self> {
+        let blank = Self {
+            vertices: Vec::new(),
+            edges: Vec::new(),
+            normals: Vec::new(),
+            background: Label::UNKNOWN,
+            ..self.clone()
+        };
+        let overlay = Overlay::new(draft, [&self, &blank])?;
+        Ok(overlay.section(draft, |[own, _]| own))
     }
 }

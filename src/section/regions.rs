@@ -25,7 +25,7 @@ impl Section {
     /// The regions, the unbounded one first, then by their smallest vertices.
     pub fn regions(&self) -> Result<Vec<Region>> {
         let rules = Rules::default();
-        let draft = Draft::new(&self.name, self.plane, 0.0, &rules)?;
+        let mut draft = Draft::new(&self.name, self.plane, 0.0, &rules)?;
         let mut curves = Curves::default();
         for &vertex in &self.vertices {
             curves.point(vertex);
@@ -33,7 +33,7 @@ impl Section {
         for (i, edge) in self.edges.iter().enumerate() {
             curves.segment(i, edge.start, edge.end);
         }
-        let subdivision = curves.subdivide(&draft)?;
+        let subdivision = curves.subdivide(&mut draft)?;
         let mut regions: Vec<Region> = subdivision
             .areas()
             .into_iter()

@@ -18,7 +18,9 @@ impl Sections {
     /// # Errors
     /// Where there is none, and where two sections of one plane disagree.
     pub fn new(sections: Vec<Section>, rules: &Rules) -> Result<Self> {
-        Self::default().with(sections, rules)?.require_any()
+        let mut sections = Self::default().with(sections, rules)?.require_any()?;
+        sections.align(rules)?;
+        Ok(sections)
     }
 
     /// The same with more sections. Those of one plane are merged, with a warning, where they
@@ -83,6 +85,14 @@ impl Sections {
         self.warnings.extend(findings.warnings);
         self.left_out.extend(findings.left_out);
         self.off_plane = self.off_plane.max(findings.off_plane);
+        if findings.snapped > 0 {
+            let what = format!(
+                "vertices less than {:.3e} from others, from edges or from an extent, and put \
+                 there: {}",
+                findings.snapping, findings.snapped
+            );
+            self.notes.push(Warning { section: String::new(), what });
+        }
     }
 
     /// Names materials as a file does; keeps those that occur.
@@ -164,8 +174,9 @@ impl Sections {
             self.sections.push(section);
             return Ok(());
         };
+        let diagonal = self.bounds().map_or(0.0, |bounds| bounds.diagonal());
         let known = &self.sections[place];
-        let merged = merge(known, &section)?;
+        let merged = merge(known, &section, diagonal, rules)?;
         let what =
             format!("lies on the plane of section {} and agrees with it: merged", known.name);
         self.left_out.push(Warning { section: section.name.clone(), what: what.clone() });
@@ -188,7 +199,12 @@ impl Sections {
     }
 }
 
-fn warn(sections: &mut Sections, section: &str, what: String, rules: &Rules) -> Result<()> {
+pub(super) fn warn(
+    sections: &mut Sections,
+    section: &str,
+    what: String,
+    rules: &Rules,
+) -> Result<()> {
     if rules.strict {
         let error = Error::Section { section: section.to_owned(), what };
         return Err(error.avoidable(Remedy::NotStrict));
@@ -211,12 +227,10 @@ fn same(what: &str, known: &mut String, new: &str, part: &Sections) -> Result<()
 }
 
 /// One section of two on the same plane; what one does not know, the other may.
-fn merge(known: &Section, new: &Section) -> Result<Section> {
-    let same_side = known.plane.kept_axes() == new.plane.kept_axes();
-    let new = if same_side { new.clone() } else { new.turned(known) };
-    let rules = Rules::default();
-    let draft = Draft::new(&known.name, known.plane, 0.0, &rules)?;
-    let overlay = Overlay::new(&draft, [known, &new])?;
+fn merge(known: &Section, new: &Section, diagonal: f64, rules: &Rules) -> Result<Section> {
+    let new = new.onto(known.plane);
+    let mut draft = Draft::new(&known.name, known.plane, diagonal, rules)?;
+    let overlay = Overlay::new(&mut draft, [known, &new])?;
     if let Some((area, place)) = overlay.conflict(&draft) {
         // The face beyond all contours has no area of its own.
         let how_much = match area > 0.0 {
@@ -247,7 +261,7 @@ pub(crate) fn coincide(a: &Plane, b: &Plane) -> bool {
 
 /// The exact product of two finite doubles: an odd integer (or 0) and the power
 /// of two it is multiplied by.
-fn product(a: f64, b: f64) -> (i128, i32) {
+pub(super) fn product(a: f64, b: f64) -> (i128, i32) {
     let [(a, p), (b, q)] = [a, b].map(parts);
     let mantissa = i128::from(a) * i128::from(b);
     if mantissa == 0 {

@@ -19,18 +19,20 @@ pub(super) const UNBOUNDED: usize = 0;
 
 /// A directed piece of a curve.
 #[derive(Debug, Clone, Copy)]
-struct Segment {
-    start: u32,
-    end: u32,
-    curve: u32,
+pub(super) struct Segment {
+    pub start: u32,
+    pub end: u32,
+    pub curve: u32,
 }
 
 /// Curves by their segments, over distinct points.
 #[derive(Debug, Default)]
 pub(super) struct Curves {
-    points: Vec<DVec2>,
+    pub(super) points: Vec<DVec2>,
     numbers: HashMap<[u64; 2], u32>,
-    segments: Vec<Segment>,
+    pub(super) segments: Vec<Segment>,
+    /// The first of the curves that stay where they are: others are moved onto them.
+    pub(super) fixed: Option<u32>,
 }
 
 impl Curves {
@@ -60,11 +62,33 @@ impl Curves {
         }
     }
 
-    /// The exact subdivision of the plane by the curves. Crossings are rounded
-    /// to doubles; that moves edges, so it is repeated until the rounded edges
-    /// meet in vertices alone.
-    pub fn subdivide(mut self, draft: &Draft) -> Result<Subdivision> {
-        for _ in 0..ROUNDS {
+    /// Adds edges to the boundaries of the labels on either side: those labels' curves. Their ends
+    /// are points by `numbers`.
+    pub fn boundaries(
+        &mut self,
+        edges: &[Edge],
+        numbers: &[u32],
+        curve: impl Fn(Label) -> Option<usize>,
+    ) {
+        for edge in edges {
+            let [start, end] = [edge.start, edge.end].map(|vertex| numbers[vertex as usize]);
+            for (label, start, end) in [(edge.left, start, end), (edge.right, end, start)] {
+                if let Some(curve) = curve(label) {
+                    self.segment(curve, start, end);
+                }
+            }
+        }
+    }
+
+    /// The exact subdivision of the plane by the curves, what nearly touches made to touch.
+    /// Crossings are rounded to doubles; that moves edges, so it is repeated until
+    /// the rounded edges meet in vertices alone.
+    pub fn subdivide(mut self, draft: &mut Draft) -> Result<Subdivision> {
+        for round in 0..ROUNDS {
+            // What comes of rounding alone comes to rest.
+            if round < ROUNDS / 2 {
+                draft.findings.snapped += self.snap(&draft.plane, draft.findings.snapping);
+            }
             let found = self.partition()?;
             if found.inputs.iter().all(|&input| input != u32::MAX) {
                 return Ok(Subdivision::new(self, &found));
@@ -92,7 +116,7 @@ impl Curves {
 
     /// The segments between two points, in either direction. Neighbouring loops
     /// share many; as overlapping curves they would cost exact comparisons.
-    fn shared(&self) -> BTreeMap<(u32, u32), Vec<u32>> {
+    pub(super) fn shared(&self) -> BTreeMap<(u32, u32), Vec<u32>> {
         let mut shared: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
         for (number, &Segment { start, end, .. }) in self.segments.iter().enumerate() {
             shared.entry((start.min(end), start.max(end))).or_default().push(number as u32);
@@ -102,7 +126,9 @@ impl Curves {
 
     /// The same curves by the edges of their partition, crossings rounded.
     fn split(self, found: &Partition) -> Self {
-        let mut curves = Self { points: self.points, numbers: self.numbers, segments: Vec::new() };
+        let segments = Vec::new();
+        let mut curves =
+            Self { points: self.points, numbers: self.numbers, segments, fixed: self.fixed };
         let numbers: Vec<u32> = (0..found.inputs.len())
             .map(|vertex| match found.inputs[vertex] {
                 u32::MAX => curves.point(found.point(vertex)),

@@ -1,3 +1,5 @@
+mod snapping;
+
 use glam::DVec3;
 
 use super::*;
@@ -281,9 +283,35 @@ fn contradictory_graphs_are_refused() {
         &["section s", "contradictory labels around vertex 2", "[1, 1, 0]"],
     );
     assert_says(&error_of(graph(&ring[..3])), &["contradictory"]); // open
-    let crossing = [edge(0, 2, 1), edge(2, 3, 1), edge(3, 1, 1), edge(1, 0, 1)];
-    assert_says(&error_of(graph(&crossing)), &["contradictory"]);
+    let turned = [edge(0, 1, 1), edge(2, 1, 1), edge(2, 3, 1), edge(3, 0, 1)];
+    assert_says(&error_of(graph(&turned)), &["contradictory"]);
     assert_says(&error_of(graph(&[edge(0, 4, 1)])), &["edge 0", "vertex 4", "only 4"]);
+}
+
+#[test]
+fn crossings_are_read_the_same_in_graphs_and_in_loops() {
+    // A bow; and a square whose upper side doubles back over 0.4 and returns 0.2 higher, which
+    // crosses the side once.
+    let bow = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]];
+    let hooked =
+        [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 4.0], [2.4, 3.9], [2.4, 4.1], [0.0, 4.0]];
+    for corners in [&bow[..], &hooked] {
+        let ring = polygon(1, corners);
+        let (expected, told) = read(std::slice::from_ref(&ring), &Rules::default()).unwrap();
+        let count = corners.len() as u32;
+        let edge = |i| Edge { start: i, end: (i + 1) % count, left: Label(1), right: Label(0) };
+        let edges: Vec<Edge> = (0..count).map(edge).collect();
+        let graph = |rules| Section::from_graph("s", FLAT, &ring.points, &edges, 10.0, &rules);
+        let (section, findings) = graph(Rules::default()).unwrap();
+        assert_valid(&section);
+        assert_eq!((areas(&section), section.background), (areas(&expected), Label::OUTSIDE));
+        assert_eq!((findings.warnings.len(), told.warnings.len()), (1, 1));
+        let (what, place) = (&findings.warnings[0].what, "crosses itself at [");
+        let (own, other) = (what.find(place).unwrap(), told.warnings[0].what.find(place).unwrap());
+        assert_eq!(what[own..], told.warnings[0].what[other..]);
+        let strict = error_of(graph(Rules { strict: true, ..Rules::default() }));
+        assert_says(&strict, &["section s", "label 1", "an error because warnings are"]);
+    }
 }
 
 #[test]
@@ -449,7 +477,8 @@ fn contours_far_from_the_origin_lose_nothing() {
     let loops =
         [square(1, [east, north], 100.0), square(1, [east, north + 100.0 + 2.0 * step], 50.0)];
     let plane = Plane { normal: DVec3::new(0.0, 0.0, 2.0), offset: 0.0 };
-    let section = Section::from_loops("s", plane, &loops, 150.0, &Rules::default()).unwrap().0;
+    let exactly = Rules { snapping: Some(0.0), ..Rules::default() };
+    let section = Section::from_loops("s", plane, &loops, 150.0, &exactly).unwrap().0;
     assert_eq!(section.regions().unwrap().len(), 3);
     assert_eq!(section.vertices[0].to_array(), [east, north]);
     assert_eq!(areas(&section)[0].1.round(), 12_500.0);

@@ -1,0 +1,77 @@
+//! The arguments about how files of sections are read.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::ImageArguments;
+use crate::io::read_all;
+use crate::label::Label;
+use crate::section::{Overlap, Rules, Sections};
+
+#[derive(Debug, Args)]
+pub struct InputArguments {
+    /// Section files: .csl, .contour, .json; volumes of labels: .nrrd, .nhdr, .nii, .nii.gz; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
+    #[arg(required = true, value_name = "SECTIONS")]
+    pub sections: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+}
+
+impl InputArguments {
+    pub fn read(&self) -> crate::error::Result<Sections> {
+        self.reading.images.require_use(&self.sections)?;
+        read_all(&self.sections, &self.reading.rules())
+    }
+}
+
+#[derive(Debug, Clone, Args, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct ReadingArguments {
+    /// Turn every warning into an error
+    #[arg(long)]
+    pub strict: bool,
+    /// Who wins where loops of different labels overlap, instead of an error
+    #[arg(long, value_enum)]
+    pub overlap: Option<OverlapName>,
+    /// The label that means unknown in these files; 0 leaves only materials known
+    #[arg(long, value_name = "ID", value_parser = clap::value_parser!(u32).range(..i64::from(u32::MAX)))]
+    pub unknown_label: Option<u32>,
+    /// Vertices and edges of a section that are nearer to one another than this, in world units, are the same; 0 takes every drawing as it is [default: 1e-8 of the diagonal of a file's vertices]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    pub tolerance: Option<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub images: ImageArguments,
+}
+
+impl ReadingArguments {
+    pub fn rules(&self) -> Rules {
+        let overlap = self.overlap.map(|name| match name {
+            OverlapName::First => Overlap::First,
+            OverlapName::Last => Overlap::Last,
+            OverlapName::Smallest => Overlap::Smallest,
+        });
+        let unknown = self.unknown_label.map(Label);
+        let images = self.images.rules();
+        let snapping = self.tolerance;
+        Rules { overlap, unknown, snapping, strict: self.strict, images, ..Rules::default() }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OverlapName {
+    First,
+    Last,
+    Smallest,
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        _ => Err("a length of 0 or more is needed".to_owned()),
+    }
+}
