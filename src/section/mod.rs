@@ -9,6 +9,7 @@ mod extent;
 mod graph;
 mod images;
 mod loops;
+mod near_planes;
 mod normals;
 mod overlay;
 mod ray;

@@ -13,7 +13,8 @@ const SAME_DIRECTION: f64 = 1e-6;
 
 impl Sections {
     /// Sections of distinct planes. Those of one plane are merged, with a
-    /// warning, where they agree.
+    /// warning, where they agree, and so are those of nearly one plane where each draws
+    /// what the other lacks.
     ///
     /// # Errors
     /// Where there is none, and where two sections of one plane disagree.
@@ -36,6 +37,7 @@ impl Sections {
         for section in sections {
             self.push(section, rules)?;
         }
+        self.unite_drawings(rules)?;
         self.complete_materials();
         Ok(self)
     }
@@ -65,6 +67,7 @@ impl Sections {
                 whole.push(section, rules)?;
             }
         }
+        whole.unite_drawings(rules)?;
         whole.complete_materials();
         whole.require_any()
     }

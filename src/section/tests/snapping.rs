@@ -187,3 +187,49 @@ fn vertices_beside_a_common_line_are_on_it() {
     assert_says(&found.notes[0].what, &["lines where planes meet", ": 2"]);
     assert!(expected.notes.is_empty());
 }
+
+/// A square of label `label` around (x, 0), at a height.
+fn part(label: u32, x: f64, height: f64) -> Section {
+    let points = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+        .map(|[dx, y]| DVec3::new(x + dx, y, height));
+    let plane = Plane { normal: DVec3::Z, offset: height };
+    let name = format!("{label} at {height}");
+    Section::from_loops(
+        &name,
+        plane,
+        &[Loop { points: points.to_vec(), label: Label(label), hole_of: None }],
+        10.0,
+        &Rules::default(),
+    )
+    .unwrap()
+    .0
+}
+
+#[test]
+fn structures_drawn_one_by_one_are_one_drawing() {
+    let rules = Rules::default();
+    let strict = Rules { strict: true, ..rules };
+    let beside = [part(1, 0.0, 0.0), part(2, 3.0, 1e-4), part(1, 0.0, 2.0), part(2, 3.0, 2.0001)];
+    let found = Sections::new(beside.to_vec(), &rules).unwrap();
+    assert_eq!((found.sections.len(), found.warnings.len()), (2, 2));
+    for section in &found.sections {
+        assert_eq!(areas(section), [(Label(1), 4.0), (Label(2), 4.0)]);
+    }
+    assert_says(&found.warnings[0].what, &["section 1 at 0", "read as one drawing"]);
+    let error = Sections::new(beside.to_vec(), &strict).unwrap_err().to_string();
+    assert_says(&error, &["section 2 at 0.0001", "section 1 at 0"]);
+    // What overlaps is not for us to settle.
+    let across = [part(1, 0.0, 0.0), part(2, 1.0, 1e-4), part(1, 0.0, 2.0)];
+    let found = Sections::new(across.to_vec(), &rules).unwrap();
+    assert_eq!((found.sections.len(), found.warnings.len()), (3, 1));
+    assert_says(&found.warnings[0].what, &["contradict each other", "area of 2.000e0"]);
+    assert!(Sections::new(across.to_vec(), &strict).is_err());
+    // Two views of one structure, and dense stacks, are as they are.
+    let views = [part(1, 0.0, 0.0), part(1, 0.0, 1e-4), part(2, 3.0, 2.0)];
+    let dense: Vec<Section> =
+        (0..8).map(|i| part(1 + i / 4, 3.0 * f64::from(i / 4), 1e-3 * f64::from(i))).collect();
+    for sections in [views.to_vec(), dense] {
+        let found = Sections::new(sections.clone(), &strict).unwrap();
+        assert_eq!(found.sections, sections);
+    }
+}
