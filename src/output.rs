@@ -1,30 +1,47 @@
 //! Output files appear whole or not at all.
 //!
 //! Every file is first written beside its destination under a temporary name;
-//! [`Outputs::commit`] renames them all once the last one is complete. What is
-//! not a regular file (a device, a pipe) cannot be renamed onto: its content
-//! is copied there, before the others are renamed.
+//! [`Outputs::commit`] renames them all once the last one is complete, and takes
+//! back what it renamed if one of them cannot be. What is not a regular file (a
+//! device, a pipe) cannot be renamed onto: its content is copied there, before
+//! the others are renamed.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use tempfile::{Builder, NamedTempFile};
+use tempfile::{Builder, NamedTempFile, TempPath};
 
 use crate::error::{Error, Result};
 
 /// Temporary files that an interrupted program has to remove.
 static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
+/// Held while files appear: an interrupt comes before all of them or after.
+static APPEARING: Mutex<()> = Mutex::new(());
+
 /// Removes the temporary files of every [`Outputs`] of the program; for a
 /// handler of Ctrl-C, after which the program must end.
 pub fn remove_temporary_files() {
+    // No more files appear until the program has ended.
+    std::mem::forget(APPEARING.lock());
     if let Ok(paths) = TEMPORARY.lock() {
-        for path in paths.iter() {
-            // The program is ending: there is nobody left to tell.
-            let _ = fs::remove_file(path);
-        }
+        remove(&paths);
+    }
+}
+
+/// The same without waiting for files that are just appearing, from any place in the program.
+pub fn remove_temporary_files_without_waiting() {
+    if let Ok(paths) = TEMPORARY.try_lock() {
+        remove(&paths);
+    }
+}
+
+fn remove(paths: &[PathBuf]) {
+    for path in paths {
+        // The program is ending: there is nobody left to tell.
+        let _ = fs::remove_file(path);
     }
 }
 
@@ -133,7 +150,7 @@ impl Outputs {
         })
     }
 
-    /// Lets all files appear.
+    /// Lets all files appear, or none.
     ///
     /// # Errors
     /// When a device takes no more or a file cannot be renamed.
@@ -143,18 +160,34 @@ impl Outputs {
         for output in special {
             output.copy()?;
         }
-        regular.into_iter().try_for_each(Output::rename)
+        let _appearing = APPEARING.lock();
+        let is_alone = regular.len() == 1;
+        let mut moved = Vec::with_capacity(regular.len());
+        for output in regular {
+            match output.rename(is_alone) {
+                Ok(made) => moved.push(made),
+                Err(error) => {
+                    moved.into_iter().rev().for_each(Moved::undo);
+                    return Err(error);
+                }
+            }
+        }
+        Ok(())
     }
 }
 
 impl Output {
     fn reserve(path: &Path) -> Result<Self> {
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let kind = fs::metadata(&target).map(|metadata| metadata.file_type());
-        if kind.as_ref().is_ok_and(|kind| kind.is_dir()) {
-            return Err(Error::file(path, "is a folder; name a file in it"));
-        }
-        let special = kind.is_ok_and(|kind| !kind.is_file());
+        let special = match fs::metadata(&target) {
+            Ok(about) if about.is_dir() => {
+                return Err(Error::file(path, "is a folder; name a file in it"));
+            }
+            Ok(about) => !about.is_file(),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+            // It could not be renamed to either: its name is too long, for one.
+            Err(error) => return Err(write_error(path, &error)),
+        };
         let folder = if special { std::env::temp_dir() } else { folder_of(&target) };
         let temporary = new_file(&folder).map_err(|error| write_error(path, &error))?;
         let listed = Listed::new(temporary.path());
@@ -170,24 +203,75 @@ impl Output {
         copied.map_err(|error| write_error(&self.path, &error))
     }
 
-    fn rename(self) -> Result<()> {
-        match self.temporary.persist(&self.target) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(write_error(&self.path, &error.error)),
+    /// Puts the file in its place; what was there is kept aside unless it is the only one.
+    fn rename(self, is_alone: bool) -> Result<Moved> {
+        let Self { path, target, temporary, .. } = self;
+        let failed = |error| write_error(&path, &error);
+        let is_there = fs::metadata(&target).is_ok_and(|about| about.is_file());
+        let old = match is_there && !is_alone {
+            true => Some(kept_aside(&target).map_err(failed)?),
+            false => None,
+        };
+        match (temporary.persist(&target), old) {
+            (Ok(_), old) => Ok(Moved { target, old }),
+            (Err(error), old) => {
+                if let Some(old) = old {
+                    Moved { target, old: Some(old) }.undo();
+                }
+                Err(failed(error.error))
+            }
         }
     }
 }
 
+/// A file that has appeared.
+struct Moved {
+    target: PathBuf,
+    /// What was there before; removed when it is dropped.
+    old: Option<TempPath>,
+}
+
+impl Moved {
+    /// As if nothing had been written, as far as possible.
+    fn undo(self) {
+        // There is an error to tell already.
+        match self.old {
+            Some(old) => drop(old.persist(&self.target)),
+            None => drop(fs::remove_file(&self.target)),
+        }
+    }
+}
+
+/// A file under another name beside it: under both where the system can do that, so that there
+/// is no moment without it.
+fn kept_aside(target: &Path) -> io::Result<TempPath> {
+    let folder = folder_of(target);
+    let second = builder().make_in(&folder, |path| fs::hard_link(target, path));
+    let old = second.or_else(|_| builder().make_in(&folder, |path| fs::rename(target, path)));
+    old.map(NamedTempFile::into_temp_path).map_err(without_path)
+}
+
 /// An ordinary file's permissions, less what the umask takes.
 fn new_file(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    builder.prefix(".transect-").suffix(".part");
+    let mut builder = builder();
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder)
+    builder.tempfile_in(folder).map_err(without_path)
+}
+
+/// Files that are not there for long.
+fn builder() -> Builder<'static, 'static> {
+    let mut builder = Builder::new();
+    builder.prefix(".transect-").suffix(".part");
+    builder
+}
+
+/// An error that does not name a temporary file, which means nothing to a user.
+fn without_path(error: io::Error) -> io::Error {
+    io::Error::from(error.kind())
 }
 
 pub(crate) fn folder_of(path: &Path) -> PathBuf {
@@ -206,7 +290,62 @@ pub fn write_error(path: &Path, error: &io::Error) -> Error {
         }
         io::ErrorKind::StorageFull => "the disk is full; nothing was written",
         io::ErrorKind::NotADirectory => "a part of the path is a file, not a folder",
+        io::ErrorKind::InvalidFilename => "the name is too long; choose a shorter one",
         _ => "it cannot be written",
     };
     Error::file(path, format!("{hint} ({error})"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(folder: &Path, names: &[&str]) -> Outputs {
+        let paths: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
+        let mut outputs = Outputs::reserve(paths.iter().map(PathBuf::as_path)).unwrap();
+        for path in &paths {
+            outputs.write(path, |out| out.write_all(b"new").map_err(|_| Error::Cancelled)).unwrap();
+        }
+        outputs
+    }
+
+    fn content(folder: &Path) -> Vec<(String, String)> {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let read = |path: PathBuf| {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            (name, fs::read_to_string(&path).unwrap_or_else(|_| "a folder".to_owned()))
+        };
+        let mut all: Vec<(String, String)> = entries.map(read).collect();
+        all.sort();
+        all
+    }
+
+    fn files(all: &[(&str, &str)]) -> Vec<(String, String)> {
+        all.iter().map(|&(name, text)| (name.to_owned(), text.to_owned())).collect()
+    }
+
+    #[test]
+    fn all_files_appear_or_none() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a"), "old").unwrap();
+        let outputs = written(folder.path(), &["a", "b", "c"]);
+        // What makes the last one impossible comes after it was reserved.
+        fs::create_dir(folder.path().join("c")).unwrap();
+        let error = outputs.commit().unwrap_err().to_string();
+        assert!(error.contains("c: ") && !error.contains(".part"), "{error}");
+        assert_eq!(content(folder.path()), files(&[("a", "old"), ("c", "a folder")]));
+        fs::remove_dir(folder.path().join("c")).unwrap();
+        written(folder.path(), &["a", "b", "c"]).commit().unwrap();
+        assert_eq!(content(folder.path()), files(&[("a", "new"), ("b", "new"), ("c", "new")]));
+    }
+
+    #[test]
+    fn names_that_cannot_be_are_refused_at_once_without_a_temporary_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = |path: &Path| Outputs::reserve([path]).unwrap_err().to_string();
+        let long = error(&folder.path().join("x".repeat(300)));
+        assert!(long.contains("too long"), "{long}");
+        let missing = error(&folder.path().join("missing/a"));
+        assert!(missing.contains("does not exist") && !missing.contains(".part"), "{missing}");
+    }
 }
