@@ -42,7 +42,7 @@ pub enum Error {
     Option(String),
     /// The result would not fit into memory.
     #[error("{what} would take about {} of memory, and {} are available",
-            gibibytes(*needed), gibibytes(*available))]
+            size(*needed), size(*available))]
     Memory {
         /// What would be built.
         what: String,
@@ -157,6 +157,11 @@ impl Error {
     }
 }
 
-fn gibibytes(bytes: u64) -> String {
-    format!("{:.1} GiB", bytes as f64 / (1u64 << 30) as f64)
+fn size(bytes: u64) -> String {
+    let gibibytes = bytes as f64 / (1u64 << 30) as f64;
+    if gibibytes < 1.0 {
+        format!("{:.0} MiB", 1024.0 * gibibytes)
+    } else {
+        format!("{gibibytes:.1} GiB")
+    }
 }

@@ -11,6 +11,8 @@ pub struct Label(pub u32);
 impl Label {
     /// The null material.
     pub const OUTSIDE: Self = Self(0);
+    /// The largest that files of results have room for: their labels are signed.
+    pub const LARGEST: Self = Self(i32::MAX as u32);
     /// A region that nobody could segment.
     pub const UNKNOWN: Self = Self(u32::MAX);
 

@@ -1,8 +1,7 @@
 //! What a grid would take, and what there is, before the work begins.
 
-use std::path::{Path, PathBuf};
-
-use crate::error::{Error, Remedy, Result};
+use crate::error::{Remedy, Result};
+use crate::memory;
 use crate::plane::{Bounds, polygon_area};
 use crate::section::Section;
 
@@ -51,13 +50,12 @@ pub fn require_memory(lattice: &Lattice, sections: &[Section], materials: usize)
 ///
 /// # Errors
 /// As [`require_memory`].
-pub(crate) fn require_bytes(needed: u64, remedy: Remedy, what: impl Fn() -> String) -> Result<()> {
-    let available = available_memory();
-    if needed <= available {
-        return Ok(());
-    }
-    let what = what();
-    Err(Error::Memory { what, needed, available }.avoidable(remedy))
+pub(crate) fn require_bytes(
+    needed: u64,
+    remedy: Remedy,
+    what: impl FnOnce() -> String,
+) -> Result<()> {
+    memory::require(needed, what).map_err(|error| error.avoidable(remedy))
 }
 
 /// The area of all surfaces, from the length of the contours: for planes in
@@ -75,62 +73,12 @@ fn surface_area(lattice: &Lattice, sections: &[Section]) -> f64 {
     4.0 / std::f64::consts::PI * bounds.volume() * per_area
 }
 
-/// Bytes that can still be had: what the system has, within the limits of
-/// the control groups that this process is in.
-pub fn available_memory() -> u64 {
-    let mut system = sysinfo::System::new();
-    system.refresh_memory();
-    group_folders()
-        .iter()
-        .filter_map(|folder| left_in_group(folder))
-        .fold(system.available_memory(), u64::min)
-}
-
-/// Where Linux shows the control groups (version 1 and 2) that limit this
-/// process, with all their parents; empty elsewhere.
-fn group_folders() -> Vec<PathBuf> {
-    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    groups
-        .lines()
-        .filter_map(|line| {
-            let mut fields = line.splitn(3, ':').skip(1);
-            let (controllers, path) = (fields.next()?, fields.next()?);
-            let root = match controllers {
-                "" => Path::new("/sys/fs/cgroup"),
-                "memory" => Path::new("/sys/fs/cgroup/memory"),
-                _ => return None,
-            };
-            let group = root.join(path.trim_start_matches('/'));
-            let within = |folder: &&Path| folder.starts_with(root);
-            Some(group.ancestors().take_while(within).map(Path::to_owned).collect::<Vec<_>>())
-        })
-        .flatten()
-        .collect()
-}
-
-/// What a control group may still use; file cache that can be dropped counts
-/// as free.
-fn left_in_group(folder: &Path) -> Option<u64> {
-    let number = |name: &str| -> Option<u64> {
-        std::fs::read_to_string(folder.join(name)).ok()?.trim().parse().ok()
-    };
-    let limit = number("memory.max").or_else(|| number("memory.limit_in_bytes"))?;
-    let used = number("memory.current").or_else(|| number("memory.usage_in_bytes"))?;
-    let statistics = std::fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
-    let cache = statistics
-        .lines()
-        .filter_map(|line| line.split_once(' '))
-        .find(|(name, _)| *name == "inactive_file" || *name == "total_inactive_file")
-        .and_then(|(_, bytes)| bytes.parse().ok())
-        .unwrap_or(0);
-    Some(limit.saturating_sub(used.saturating_sub(cache)))
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::error::Error;
     use crate::grid::lattice::Resolution;
 
     const UNIT: Bounds = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
@@ -155,6 +103,6 @@ mod tests {
     fn modest_grids_fit() {
         let lattice = Lattice::new(UNIT, Resolution::Voxels(64)).unwrap();
         require_memory(&lattice, &[], 9).unwrap();
-        assert!(available_memory() > 1 << 20);
+        assert!(memory::available() > 1 << 20);
     }
 }

@@ -17,13 +17,15 @@ pub mod vdb;
 pub mod volume;
 pub mod vtk;
 
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::{Error, Remedy, Result};
+use crate::label::Label;
+use crate::memory;
 use crate::plane::{Bounds, Plane};
 use crate::section::{Findings, Rules, Section, Sections, Warning};
 
@@ -100,11 +102,31 @@ pub fn read_all(paths: &[PathBuf], rules: &Rules) -> Result<Sections> {
     Ok(sections)
 }
 
-fn read_text(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|error| Error::file(path, reason(&error)))?;
+/// What is read from a file takes up to so many times as much memory.
+const TIMES_READ: u64 = 4;
+
+/// The bytes of a file that has an end and fits into memory, and is not empty.
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let failed = |error: io::Error| Error::file(path, reason(&error));
+    // Before it is opened: a pipe may wait for ever for somebody to write to it.
+    let about = std::fs::metadata(path).map_err(failed)?;
+    if !about.is_file() && !about.is_dir() {
+        let what = "this is no file but a device or a pipe: copy what it gives to a file first";
+        return Err(Error::file(path, what));
+    }
+    let mut file = std::fs::File::open(path).map_err(failed)?;
+    let needed = about.len().saturating_mul(TIMES_READ);
+    memory::require(needed, || format!("reading {}", path.display()))?;
+    let mut bytes = Vec::new();
+    file.by_ref().take(about.len()).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.is_empty() {
         return Err(Error::file(path, "the file is empty: export it again"));
     }
+    Ok(bytes)
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    let bytes = read_bytes(path)?;
     String::from_utf8(bytes).map_err(|error| {
         let place = error.utf8_error().valid_up_to();
         Error::file(path, format!("this is no text file (byte {place}): export it again as text"))
@@ -142,12 +164,14 @@ fn check<T: Sync>(
     let mut sections = Vec::with_capacity(made.len());
     let mut found = Findings::default();
     let mut unknown_occurs = false;
-    for result in made {
+    for (result, raw) in made.into_iter().zip(raw) {
         let (section, findings) = result?;
         unknown_occurs |= rules.unknown.is_some_and(|label| section.labels().contains(&label));
         if !findings.is_void {
             // Before sections of one plane are merged: each completes the other.
-            sections.push(section.relabelled(|label| rules.meaning(label)));
+            let section = section.relabelled(|label| rules.meaning(label));
+            require_labels(&section).map_err(|error| at(file, raw, error))?;
+            sections.push(section);
         }
         found.append(findings);
     }
@@ -159,6 +183,21 @@ fn check<T: Sync>(
     sections.note(found);
     sections.unknown_occurs = unknown_occurs;
     Ok(sections)
+}
+
+/// Refuses labels that files of results have no room for, before any work is done.
+fn require_labels(section: &Section) -> Result<()> {
+    let labels = section.labels().into_iter().filter(|label| label.is_material());
+    match labels.max().filter(|&label| label > Label::LARGEST) {
+        Some(label) => {
+            let what = format!(
+                "label {label} is too large: labels go up to {}, number them anew",
+                Label::LARGEST
+            );
+            Err(Error::Section { section: section.name().to_owned(), what })
+        }
+        None => Ok(()),
+    }
 }
 
 /// An error of a section, with its place in a file.

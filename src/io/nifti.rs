@@ -1,5 +1,6 @@
 //! NIfTI-1 (`.nii`, `.nii.gz`), as volumes of labels.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use ::nifti::{Endianness, NiftiHeader, NiftiType};
@@ -25,13 +26,17 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<LabelVolume> {
     let compressed = bytes.starts_with(&[0x1f, 0x8b]);
     let bad = |what: String| Error::file(file, what);
     let at = |what: String| Error::input(file, "the header", what);
-    let start = if compressed { inflated(bytes, HEADER).map_err(bad)? } else { bytes.to_vec() };
+    let start = match compressed {
+        true => Cow::Owned(inflated(bytes, HEADER).map_err(bad)?),
+        false => Cow::Borrowed(bytes),
+    };
     let header = header(&start).map_err(at)?;
     let storage = storage(&header).map_err(at)?;
     let first = offset(&header).map_err(at)?;
     let end = storage.bytes().ok().and_then(|length| length.checked_add(first));
     let end = end.ok_or_else(|| at("its sizes are too large: correct them".to_owned()))?;
-    let content = if compressed { inflated(bytes, end).map_err(bad)? } else { start };
+    storage.require_memory(file, bytes.len(), compressed)?;
+    let content = if compressed { Cow::Owned(inflated(bytes, end).map_err(bad)?) } else { start };
     let labels = storage.labels(content.get(first..).unwrap_or_default()).map_err(bad)?;
     let mut volume = LabelVolume::new(storage.dims, labels, placement(&header)).map_err(at)?;
     volume.units = units(&header).to_owned();

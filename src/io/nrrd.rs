@@ -30,6 +30,8 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<LabelVolume> {
         Some(name) => Cow::Owned(detached(name, file)?),
         None => Cow::Borrowed(rest),
     };
+    let is_packed = ["gzip", "gz"].contains(&header.encoding());
+    storage.require_memory(file, voxels.len(), is_packed)?;
     let labels =
         labels(&header, &storage, &voxels).map_err(|what| Error::input(file, "the data", what))?;
     let mut volume = LabelVolume::new(storage.dims, labels, placement).map_err(at)?;
@@ -45,7 +47,7 @@ fn detached(name: &str, file: &Path) -> Result<Vec<u8>> {
         return Err(Error::input(file, "the header", what));
     }
     let path = file.parent().unwrap_or(Path::new("")).join(name);
-    std::fs::read(&path).map_err(|error| Error::file(&path, super::reason(&error)))
+    super::read_bytes(&path)
 }
 
 fn storage(header: &Header) -> Checked<Storage> {

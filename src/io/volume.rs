@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::{nifti, nrrd};
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
+use crate::memory;
 use crate::volume::LabelVolume;
 
 /// The kinds of files that volumes are read from.
@@ -17,6 +18,9 @@ pub const VOLUME_KINDS: &str = ".nrrd, .nhdr, .nii, .nii.gz";
 
 /// Deflate makes no more bytes than this of one.
 const DEFLATE: usize = 1032;
+
+/// However large a number is, rounding explains no more than this.
+const MOST_ROUNDING: f64 = 1e-3;
 
 /// Whether a file is a volume by the ending of its name.
 pub fn is_volume(path: &Path) -> bool {
@@ -48,11 +52,7 @@ pub fn read_volume(path: &Path) -> Result<LabelVolume> {
         let what = format!("this kind of file is not known: volumes are read from {VOLUME_KINDS}");
         return Err(Error::file(path, what));
     };
-    let bytes = std::fs::read(path).map_err(|error| Error::file(path, super::reason(&error)))?;
-    if bytes.is_empty() {
-        return Err(Error::file(path, "the file is empty: export it again"));
-    }
-    read(&bytes, path)
+    read(&super::read_bytes(path)?, path)
 }
 
 /// The type of the numbers in a file.
@@ -105,6 +105,21 @@ impl Storage {
     /// The bytes that the voxels take.
     pub fn bytes(&self) -> std::result::Result<usize, String> {
         Ok(self.voxels()? * self.scalar.size())
+    }
+
+    /// Refuses volumes that do not fit into memory, by their bytes and labels. Where a file of
+    /// so many bytes cannot hold all voxels there are other words for it.
+    pub fn require_memory(&self, file: &Path, length: usize, is_packed: bool) -> Result<()> {
+        let voxels = self.voxels().map_err(|what| Error::file(file, what))?;
+        let most = if is_packed { length.saturating_mul(DEFLATE) } else { length };
+        if most < voxels {
+            return Ok(());
+        }
+        let needed = (voxels as u64).saturating_mul((self.scalar.size() + size_of::<u32>()) as u64);
+        let [x, y, z] = self.dims;
+        memory::require(needed, || {
+            format!("{}: a volume of {x} × {y} × {z} voxels", file.display())
+        })
     }
 
     /// The label of every voxel, from their bytes.
@@ -182,8 +197,14 @@ impl Storage {
         Ok(labels)
     }
 
+    /// What a number stands for. Slope and intercept have single precision: a number as near to
+    /// a whole one as their rounding explains is that one.
     fn scaled(&self, number: f64) -> f64 {
-        self.scaling.map_or(number, |[slope, intercept]| slope * number + intercept)
+        let Some([slope, intercept]) = self.scaling else { return number };
+        let value = slope * number + intercept;
+        let rounding = f64::from(f32::EPSILON) * ((slope * number).abs() + intercept.abs());
+        let whole = value.round();
+        if (value - whole).abs() <= rounding.min(MOST_ROUNDING) { whole } else { value }
     }
 
     fn no_label(&self, voxel: usize, number: f64) -> String {
@@ -282,6 +303,11 @@ mod tests {
         let scaled = Storage { scaling: Some([0.5, 0.0]), ..storage(Scalar::U8, false) };
         assert_eq!(scaled.labels(&[2, 4, 0]), Ok(vec![1, 2, 0]));
         assert!(scaled.labels(&[2, 3, 0]).unwrap_err().contains("holds 1.5"));
+        // A third in single precision, three times, is one; and no more than rounding is allowed.
+        let third = f64::from(1.0f32 / 3.0);
+        let scaled = |slope| Storage { scaling: Some([slope, 0.0]), ..storage(Scalar::U8, false) };
+        assert_eq!(scaled(third).labels(&[3, 6, 0]), Ok(vec![1, 2, 0]));
+        assert!(scaled(third + 1e-6).labels(&[3, 6, 0]).unwrap_err().contains("holds 1.000003"));
     }
 
     #[test]

@@ -24,8 +24,8 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::ffi::skeleton::{self as ffi, CellOutput, ContradictionOutput};
-use crate::grid::memory::available_memory;
 use crate::label::Label;
+use crate::memory;
 use crate::mesh::Mesh;
 use crate::plane::Bounds;
 use crate::progress::Progress;
@@ -235,7 +235,7 @@ fn join(
 /// minutes, and as fit into memory when all threads have such a cell.
 fn most_pieces(cells: u32) -> u32 {
     let at_once = u64::from(cells).min(rayon::current_num_threads() as u64).max(1);
-    let fitting = available_memory() / (PIECE_BYTES * at_once);
+    let fitting = memory::available() / (PIECE_BYTES * at_once);
     u32::try_from(fitting).unwrap_or(u32::MAX).min(MOST_PIECES)
 }
 

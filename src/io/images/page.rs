@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::memory;
 
 /// No picture has more pixels than this: 8192².
 pub const MOST_PIXELS: usize = 1 << 26;
@@ -41,10 +42,13 @@ impl Resolution {
     }
 }
 
-/// The number of pixels, where a picture may have so many.
-pub fn pixels(size: [usize; 2]) -> std::result::Result<usize, String> {
+/// What a pixel takes while a picture is read, in bytes: as it is stored, at most, and as a value.
+const PIXEL_BYTES: u64 = 12;
+
+/// The number of pixels, where a picture may have so many and they fit into memory.
+pub fn pixels(file: &Path, size: [usize; 2]) -> Result<usize> {
     let [width, height] = size;
-    match width.checked_mul(height) {
+    let pixels = match width.checked_mul(height) {
         Some(0) => Err(format!("{width} × {height} pixels are no picture: export it again")),
         Some(pixels) if pixels <= MOST_PIXELS => Ok(pixels),
         _ => Err(format!(
@@ -52,7 +56,10 @@ pub fn pixels(size: [usize; 2]) -> std::result::Result<usize, String> {
              it smaller, or its header is damaged",
             MOST_PIXELS / 1_000_000
         )),
-    }
+    };
+    let pixels = pixels.map_err(|what| Error::file(file, what))?;
+    memory::require(PIXEL_BYTES * pixels as u64, || format!("reading {}", file.display()))?;
+    Ok(pixels)
 }
 
 /// What a file is that cannot be decoded, with the decoder's words.
@@ -67,15 +74,6 @@ pub fn coloured(file: &Path, what: &str) -> Error {
          value of each pixel, or as PNG with a palette"
     );
     Error::file(file, what)
-}
-
-/// The bytes of a file, which must not be empty.
-pub fn bytes(file: &Path) -> Result<Vec<u8>> {
-    let bytes = std::fs::read(file).map_err(|error| Error::file(file, super::reason(&error)))?;
-    match bytes.is_empty() {
-        true => Err(Error::file(file, "the file is empty: export it again")),
-        false => Ok(bytes),
-    }
 }
 
 /// Values of fewer bits than a byte, the first in the highest bits; every row begins a byte. Fewer

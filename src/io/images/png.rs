@@ -5,8 +5,9 @@ use std::path::Path;
 
 use ::png::{BitDepth, ColorType, Decoder, Info, PixelDimensions, Transformations, Unit};
 
-use super::page::{Page, Resolution, bytes, coloured, damaged, pixels, unpacked};
+use super::page::{Page, Resolution, coloured, damaged, pixels, unpacked};
 use crate::error::{Error, Result};
+use crate::io::read_bytes;
 
 /// Deflate makes no more bytes than this of one.
 const DEFLATE: usize = 1032;
@@ -16,7 +17,7 @@ const DEFLATE: usize = 1032;
 /// # Errors
 /// Where it is no PNG, damaged, animated, or coloured.
 pub fn read(file: &Path) -> Result<Page> {
-    let bytes = bytes(file)?;
+    let bytes = read_bytes(file)?;
     let bad = |error| damaged(file, "PNG", error);
     let mut decoder = Decoder::new(Cursor::new(&bytes));
     decoder.set_transformations(Transformations::IDENTITY);
@@ -37,7 +38,7 @@ pub fn read(file: &Path) -> Result<Page> {
         return Err(Error::file(file, what));
     }
     let (resolution, palette) = (resolution(info), palette(info));
-    let pixels = pixels(size).map_err(|what| Error::file(file, what))?;
+    let pixels = pixels(file, size)?;
     let needed = reader.output_buffer_size().unwrap_or(usize::MAX);
     if bytes.len().saturating_mul(DEFLATE) < needed {
         let what = format!(

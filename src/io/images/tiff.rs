@@ -7,8 +7,9 @@ use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::tags::{PhotometricInterpretation, Tag};
 use ::tiff::{ColorType, TiffError, TiffUnsupportedError};
 
-use super::page::{MOST_PIXELS, Page, Resolution, bytes, coloured, damaged, pixels, unpacked};
+use super::page::{MOST_PIXELS, Page, Resolution, coloured, damaged, pixels, unpacked};
 use crate::error::{Error, Result};
+use crate::io::read_bytes;
 use crate::io::volume::label;
 
 type File<'a> = Decoder<Cursor<&'a [u8]>>;
@@ -21,7 +22,7 @@ const SMALLER: u32 = 1;
 /// # Errors
 /// Where it is no TIFF, damaged or coloured, where values are no labels, and what `each` says.
 pub fn read(file: &Path, mut each: impl FnMut(usize, Page) -> Result<()>) -> Result<()> {
-    let bytes = bytes(file)?;
+    let bytes = read_bytes(file)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = 8 * MOST_PIXELS;
     let mut decoder = Decoder::new(Cursor::new(bytes.as_slice()))
@@ -59,7 +60,7 @@ fn page(decoder: &mut File, file: &Path) -> Result<Page> {
     };
     let (width, height) = decoder.dimensions().map_err(|error| broken(file, &error))?;
     let size = [width, height].map(|side| side as usize);
-    let pixels = pixels(size).map_err(|what| Error::file(file, what))?;
+    let pixels = pixels(file, size)?;
     let photometric = decoder.find_tag_unsigned(Tag::PhotometricInterpretation);
     // The decoder turns such values round, and what is stored is the label.
     let is_inverted = photometric.map_err(|error| broken(file, &error))?

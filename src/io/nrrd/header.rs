@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
+use super::super::text::shortened;
 use super::Checked;
 
 /// No header is longer; what is, is none.
@@ -62,7 +63,7 @@ impl Header {
                 self.fields.insert(name, value.trim().to_owned());
             }
             (_, None) => {
-                let line = super::super::text::shortened(line);
+                let line = shortened(line);
                 return Err(format!("the line {line:?} is neither a field nor a key: correct it"));
             }
         }
@@ -88,13 +89,15 @@ impl Header {
     pub fn numbers<T: FromStr>(&self, name: &str) -> Checked<Option<Vec<T>>> {
         let Some(text) = self.get(name) else { return Ok(None) };
         let numbers = text.split_whitespace().map(str::parse).collect::<Result<_, _>>();
-        numbers.map(Some).map_err(|_| format!("{name} is {text:?}: numbers belong there"))
+        let error = |_| format!("{name} is {:?}: numbers belong there", shortened(text));
+        numbers.map(Some).map_err(error)
     }
 
     /// A field of vectors: `(1,0,0) (0,1,0)`.
     pub fn vectors(&self, name: &str) -> Checked<Option<Vec<DVec3>>> {
         let Some(text) = self.get(name) else { return Ok(None) };
-        let error = || format!("{name} is {text:?}: vectors of three numbers belong there");
+        let error =
+            || format!("{name} is {:?}: vectors of three numbers belong there", shortened(text));
         let parts = text.split(')').map(str::trim).filter(|part| !part.is_empty());
         let vectors = parts.map(|part| {
             let numbers = part.strip_prefix('(')?.split(',').map(|number| number.trim().parse());

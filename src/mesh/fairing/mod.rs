@@ -15,7 +15,7 @@ mod umbrella;
 use std::collections::BTreeSet;
 
 use crate::error::{Error, Remedy, Result};
-use crate::grid::memory::available_memory;
+use crate::grid::memory::require_bytes;
 use crate::mesh::Mesh;
 use crate::mesh::network::Network;
 use crate::plane::Plane;
@@ -145,12 +145,8 @@ fn require_length(mesh: &Mesh, length: f64) -> Result<()> {
     let area: f64 = (0..mesh.triangles.len()).map(area).sum();
     // Of an equilateral triangle; more there are where borders are fine.
     let triangles = area / (3f64.sqrt() / 4.0 * length * length);
-    let (needed, available) = ((TRIANGLE_BYTES * triangles) as u64, available_memory());
-    if needed > available {
-        let what = format!("a mesh with edges of {length}");
-        return Err(Error::Memory { what, needed, available }.avoidable(Remedy::LongerEdges));
-    }
-    Ok(())
+    let needed = (TRIANGLE_BYTES * triangles) as u64;
+    require_bytes(needed, Remedy::LongerEdges, || format!("a mesh with edges of {length}"))
 }
 
 #[cfg(test)]
