@@ -5,7 +5,6 @@
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/IO/polygon_soup_io.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Simple_cartesian.h>
@@ -293,30 +292,6 @@ rust::Vec<uint32_t> nearest_triangles(const Tree& tree, rust::Slice<const double
     numbers.push_back(impl.numbers[triangle - impl.triangles.cbegin()]);
   }
   return numbers;
-}
-
-Soup read_soup(rust::Str path) {
-  std::vector<Kernel::Point_3> points;
-  std::vector<std::vector<size_t>> polygons;
-  if (!CGAL::IO::read_polygon_soup(std::string(path), points, polygons)) {
-    throw std::runtime_error("it is damaged, ends early, or has no faces");
-  }
-  Soup soup;
-  for (const auto& point : points) {
-    for (int axis = 0; axis < 3; ++axis) soup.points.push_back(point[axis]);
-  }
-  for (const auto& polygon : polygons) {
-    for (const size_t corner : polygon) {
-      if (corner >= points.size())
-        throw std::out_of_range("a face names a vertex that is not there");
-    }
-    for (size_t i = 2; i < polygon.size(); ++i) {
-      for (const size_t corner : {size_t(0), i - 1, i}) {
-        soup.triangles.push_back(static_cast<uint32_t>(polygon[corner]));
-      }
-    }
-  }
-  return soup;
 }
 
 }  // namespace transect::measure

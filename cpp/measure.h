@@ -10,7 +10,6 @@
 namespace transect::measure {
 
 struct Facts;
-struct Soup;
 
 rust::String library_versions();
 
@@ -42,8 +41,5 @@ std::unique_ptr<Tree> new_tree(rust::Slice<const double> points,
 rust::Vec<double> distances(const Tree& tree, rust::Slice<const double> points);
 // For each point (by threes) the number of the nearest triangle, as given.
 rust::Vec<uint32_t> nearest_triangles(const Tree& tree, rust::Slice<const double> points);
-
-// The polygons of an OFF, OBJ, STL or PLY file, each as a fan of triangles.
-Soup read_soup(rust::Str path);
 
 }  // namespace transect::measure

@@ -32,15 +32,6 @@ mod bridge {
         components: Vec<Component>,
     }
 
-    /// Triangles from a file.
-    #[derive(Debug, Clone)]
-    struct Soup {
-        /// Coordinates by threes.
-        points: Vec<f64>,
-        /// Vertex numbers by threes.
-        triangles: Vec<u32>,
-    }
-
     unsafe extern "C++" {
         include!("transect/cpp/measure.h");
 
@@ -66,9 +57,6 @@ mod bridge {
 
         /// For each point, by threes, the number of the nearest triangle.
         fn nearest_triangles(tree: &Tree, points: &[f64]) -> Result<Vec<u32>>;
-
-        /// The polygons of an OFF, OBJ, STL or PLY file.
-        fn read_soup(path: &str) -> Result<Soup>;
     }
 }
 

@@ -9,7 +9,6 @@ use glam::DVec3;
 use super::vtk::{self, DataSet};
 use super::{obj, off, ply, stl};
 use crate::error::{Error, Result};
-use crate::ffi::measure;
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::section::Sections;
@@ -133,43 +132,75 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
             return Err(Error::file(path, what));
         }
     };
-    let bytes = std::fs::read(path).map_err(|error| Error::file(path, super::reason(&error)))?;
-    if bytes.is_empty() {
-        return Err(Error::file(path, "the file is empty: export it again"));
-    }
+    let bytes = super::read_bytes(path)?;
     let mesh = match kind {
         MeshKind::Ply => ply::read(&bytes, path)?,
-        _ => {
-            drop(bytes);
-            read_soup(path)?
-        }
+        MeshKind::Stl => stl::read(&bytes, path)?.mesh(path)?,
+        MeshKind::Obj => obj::read(&String::from_utf8_lossy(&bytes), path)?.mesh(path)?,
+        _ => off::read(&String::from_utf8_lossy(&bytes), path)?.mesh(path)?,
     };
     if mesh.triangles.is_empty() {
         return Err(Error::file(path, "there is no triangle in it: export it again"));
     }
-    if let Some(vertex) = mesh.vertices.iter().position(|vertex| !vertex.is_finite()) {
+    let is_bad = |vertex: &&u32| !mesh.vertices[**vertex as usize].is_finite();
+    if let Some(vertex) = mesh.triangles.iter().flatten().find(is_bad) {
         let what = "a coordinate is not a finite number: correct it, or export the file again";
         return Err(Error::input(path, format!("vertex {vertex}"), what));
     }
-    Ok(mesh)
+    Ok(without_unused(mesh))
 }
 
-/// By CGAL's readers.
-fn read_soup(path: &Path) -> Result<Mesh> {
-    let name = path.to_str().ok_or_else(|| {
-        Error::file(path, "the name is not valid Unicode: rename the file, or use a PLY file")
-    })?;
-    let soup = measure::read_soup(name)
-        .map_err(|exception| Error::file(path, format!("{}: export it again", exception.what())))?;
-    let (points, []) = soup.points.as_chunks::<3>() else {
-        return Err(Error::file(path, "a vertex has fewer than three coordinates"));
-    };
-    let (vertices, number) = welded(points.iter().map(|&point| DVec3::from_array(point)));
-    let triangles: Vec<[u32; 3]> = (soup.triangles.as_chunks::<3>().0.iter())
-        .map(|corners| corners.map(|corner| number[corner as usize]))
-        .collect();
-    let sides = vec![[Label(1), Label::OUTSIDE]; triangles.len()];
-    Ok(Mesh { vertices, triangles, sides })
+/// A mesh of the vertices that triangles have: others are no part of the surface.
+fn without_unused(mut mesh: Mesh) -> Mesh {
+    let mut numbers = vec![u32::MAX; mesh.vertices.len()];
+    for &vertex in mesh.triangles.iter().flatten() {
+        numbers[vertex as usize] = 0;
+    }
+    let mut vertices = Vec::with_capacity(numbers.len());
+    for (number, &vertex) in numbers.iter_mut().zip(&mesh.vertices) {
+        if *number == 0 {
+            *number = vertices.len() as u32;
+            vertices.push(vertex);
+        }
+    }
+    for vertex in mesh.triangles.iter_mut().flatten() {
+        *vertex = numbers[*vertex as usize];
+    }
+    Mesh { vertices, ..mesh }
+}
+
+/// Polygons as most kinds of files have them, without labels.
+#[derive(Debug, Default)]
+pub(super) struct Soup {
+    pub points: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Soup {
+    /// Adds a polygon as a fan of triangles.
+    pub fn polygon(&mut self, corners: &[u32]) {
+        for pair in corners.get(1..).unwrap_or_default().windows(2) {
+            self.triangles.push([corners[0], pair[0], pair[1]]);
+        }
+    }
+
+    /// As a mesh; points in the same place become one.
+    fn mesh(self, path: &Path) -> Result<Mesh> {
+        let count = self.points.len();
+        let missing = |&&corner: &&u32| corner as usize >= count;
+        if let Some(corner) = self.triangles.iter().flatten().find(missing) {
+            let what = format!(
+                "a face names vertex {corner} (from 0), and there are {count}: the file is cut off \
+                 or damaged, export it again"
+            );
+            return Err(Error::file(path, what));
+        }
+        let (vertices, number) = welded(self.points.into_iter());
+        let corners = |triangle: [u32; 3]| triangle.map(|corner| number[corner as usize]);
+        let triangles: Vec<[u32; 3]> = self.triangles.into_iter().map(corners).collect();
+        let sides = vec![[Label(1), Label::OUTSIDE]; triangles.len()];
+        Ok(Mesh { vertices, triangles, sides })
+    }
 }
 
 /// Points without doubles, and for every point its number among them.
@@ -244,6 +275,16 @@ mod tests {
     }
 
     #[test]
+    fn vertices_without_a_face_are_no_part_of_a_mesh() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.off");
+        std::fs::write(&path, "OFF\n4 1 0\n9 9 9\n0 0 0\n1 0 0\n0 1 0\n3 1 2 3\n").unwrap();
+        let mesh = read_mesh(&path).unwrap();
+        assert_eq!((mesh.vertices.len(), &mesh.triangles[..]), (3, &[[0, 1, 2]][..]));
+        assert_eq!(mesh.bounds().unwrap().max, DVec3::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
     fn what_is_no_mesh_is_an_error_that_says_so() {
         let folder = tempfile::tempdir().unwrap();
         let bad = |name: &str, content: &str| {
@@ -256,7 +297,7 @@ mod tests {
         assert!(bad("a.off", "").contains("empty"));
         assert!(bad("b.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n").contains("b.off"));
         assert!(bad("c.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n").contains("c.off"));
-        assert!(bad("d.obj", "v 0 0 0\n").contains("no faces"));
+        assert!(bad("d.obj", "v 0 0 0\n").contains("no triangle"));
         assert!(bad("e.stl", "solid x\n facet normal 0 0 1\n").contains("e.stl"));
         assert!(bad("f.ply", "ply\nformat ascii 1.0\n").contains("header"));
         let missing = read_mesh(&folder.path().join("missing.stl")).unwrap_err().to_string();

@@ -52,6 +52,7 @@ pub fn write(mesh: &Mesh, about: &About, out: &mut dyn Write) -> std::io::Result
 pub fn read(bytes: &[u8], path: &Path) -> Result<Mesh> {
     let at = |place: String, what: String| Error::input(path, place, what);
     let (header, body) = Header::read(bytes).map_err(|what| at("the header".into(), what))?;
+    header.require_room(body.len()).map_err(|what| at("the header".into(), what))?;
     let mut values = Values::new(header.encoding, body);
     let mut mesh = Mesh::default();
     for element in &header.elements {
@@ -187,5 +188,9 @@ mod tests {
         assert!(error(&TEXT.replace("property float x\n", "")).contains("vertex 0"));
         assert!(error(&TEXT.replace("float x", "quad x")).contains("header"));
         assert!(error("solid").contains("header"));
+        let edges = |text: &str| error(&TEXT.replace("edge 1\nproperty int vertex1", text));
+        assert!(edges("a 18446744073709551615").contains("\"a\" has no properties"));
+        let found = edges("a 18446744073709551615\nproperty int b");
+        assert!(found.contains("header: it promises 18446744073709551615"), "{found}");
     }
 }

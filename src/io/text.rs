@@ -13,6 +13,8 @@ use crate::label::Label;
 pub(super) struct Rows<'a> {
     file: &'a Path,
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    /// What begins a comment, which goes on to the end of its line.
+    comment: Option<char>,
     /// The number of the last line that was read, from 1.
     pub line: usize,
 }
@@ -20,13 +22,20 @@ pub(super) struct Rows<'a> {
 impl<'a> Rows<'a> {
     /// The rows of a text; `file` is for errors.
     pub fn new(text: &'a str, file: &'a Path) -> Self {
-        Self { file, lines: text.lines().enumerate(), line: 0 }
+        Self { file, lines: text.lines().enumerate(), comment: None, line: 0 }
+    }
+
+    /// The same without the comments that begin with a character.
+    pub fn without_comments(self, comment: char) -> Self {
+        Self { comment: Some(comment), ..self }
     }
 
     /// The next row with words on it, if there is one.
     pub fn try_next(&mut self) -> Option<&'a str> {
         for (number, line) in self.lines.by_ref() {
             self.line = number + 1;
+            let end = self.comment.and_then(|comment| line.find(comment)).unwrap_or(line.len());
+            let line = &line[..end];
             if !line.trim().is_empty() {
                 return Some(line);
             }
@@ -119,7 +128,7 @@ impl Row<'_> {
         let index: usize = self.count(i, "a vertex index")?;
         if index >= count {
             return Err(self.error(format!(
-                "vertex index {index} is out of range: the section has {count} vertices, from 0"
+                "vertex index {index} is out of range: there are {count} vertices, from 0"
             )));
         }
         u32::try_from(index).map_err(|_| self.error(format!("vertex index {index} is too large")))
@@ -131,6 +140,18 @@ impl Row<'_> {
             self.error(format!("{what} should be {kind}, but is {:?}", shortened(word)))
         })
     }
+}
+
+/// The next three words as a point.
+pub(super) fn point<'a>(
+    words: &mut impl Iterator<Item = &'a str>,
+) -> std::result::Result<DVec3, String> {
+    let mut point = DVec3::ZERO;
+    for axis in 0..3 {
+        let word = words.next().ok_or("a vertex has fewer than three coordinates")?;
+        point[axis] = word.parse().map_err(|_| format!("{:?} is no number", shortened(word)))?;
+    }
+    Ok(point)
 }
 
 /// A word for an error: not too long.

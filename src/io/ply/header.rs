@@ -1,5 +1,6 @@
 //! What a PLY file says that it holds.
 
+use super::super::text::shortened;
 use super::values::{Encoding, Scalar};
 
 /// The header of a PLY file.
@@ -26,7 +27,36 @@ pub struct Property {
     pub length: Option<Scalar>,
 }
 
+impl Element {
+    /// The bytes that one takes at least.
+    fn least_bytes(&self, encoding: Encoding) -> usize {
+        let bytes = |property: &Property| match encoding {
+            // A digit, and a blank.
+            Encoding::Text => 2,
+            _ => property.length.unwrap_or(property.kind).size(),
+        };
+        self.properties.iter().map(bytes).sum()
+    }
+}
+
 impl Header {
+    /// Refuses counts of elements for which so many bytes have no room.
+    pub fn require_room(&self, bytes: usize) -> Result<(), String> {
+        for element in self.elements.iter().filter(|element| element.count > 0) {
+            let (name, count) = (shortened(&element.name), element.count);
+            // The last blank may be missing.
+            let most = bytes.saturating_add(1).checked_div(element.least_bytes(self.encoding));
+            let most = most.ok_or_else(|| format!("the element {name:?} has no properties"))?;
+            if count > most as u64 {
+                return Err(format!(
+                    "it promises {count} of {name:?}, and {bytes} bytes follow: the file is cut \
+                     off, or its header is damaged"
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// The header, and what follows it.
     pub fn read(bytes: &[u8]) -> Result<(Self, &[u8]), String> {
         let mut rest = bytes;
@@ -41,7 +71,8 @@ impl Header {
             match words[..] {
                 ["format", name, _] => encoding = Some(Encoding::named(name)?),
                 ["element", name, count] => {
-                    let count = count.parse().map_err(|_| format!("{line:?} has no count"))?;
+                    let count =
+                        count.parse().map_err(|_| format!("{:?} has no count", shortened(line)))?;
                     elements.push(Element { name: name.to_owned(), count, properties: vec![] });
                 }
                 ["property", ..] => {
@@ -50,7 +81,7 @@ impl Header {
                 }
                 ["end_header"] => break,
                 [] | ["comment" | "obj_info", ..] => {}
-                _ => return Err(format!("{line:?} is not understood")),
+                _ => return Err(format!("{:?} is not understood", shortened(line))),
             }
         }
         let encoding = encoding.ok_or("there is no line \"format\"")?;
@@ -68,7 +99,7 @@ fn property(words: &[&str]) -> Result<Property, String> {
         ["property", kind, name] => {
             Ok(Property { name: (*name).to_owned(), kind: Scalar::named(kind)?, length: None })
         }
-        _ => Err(format!("{:?} is not understood", words.join(" "))),
+        _ => Err(format!("{:?} is not understood", shortened(&words.join(" ")))),
     }
 }
 

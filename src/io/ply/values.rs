@@ -1,5 +1,6 @@
 //! The numbers of a PLY file, in text or binary.
 
+use super::super::text::shortened;
 use super::header::Property;
 
 /// How numbers are written.
@@ -17,7 +18,7 @@ impl Encoding {
             "ascii" => Ok(Self::Text),
             "binary_little_endian" => Ok(Self::LittleEndian),
             "binary_big_endian" => Ok(Self::BigEndian),
-            _ => Err(format!("the format {name:?} is not known")),
+            _ => Err(format!("the format {:?} is not known", shortened(name))),
         }
     }
 }
@@ -47,11 +48,12 @@ impl Scalar {
             "uint" | "uint32" => Ok(Self::U32),
             "float" | "float32" => Ok(Self::F32),
             "double" | "float64" => Ok(Self::F64),
-            _ => Err(format!("the type {name:?} is not known")),
+            _ => Err(format!("the type {:?} is not known", shortened(name))),
         }
     }
 
-    fn size(self) -> usize {
+    /// Bytes of a number.
+    pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -122,7 +124,7 @@ impl<'a> Values<'a> {
         }
         self.rest = rest;
         let word = String::from_utf8_lossy(word);
-        word.parse().map_err(|_| format!("{word:?} is no number"))
+        word.parse().map_err(|_| format!("{:?} is no number", shortened(&word)))
     }
 }
 
