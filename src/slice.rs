@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 use crate::mesh::cut::Cut;
 use crate::plane::{Bounds, Plane};
 use crate::random::Random;
-use crate::section::{Rules, Section};
+use crate::section::{Rules, Section, Warning};
 use crate::volume::LabelVolume;
 
 /// The planes of a cut.
@@ -91,13 +91,78 @@ fn random_plane(random: &mut Random, bounds: &Bounds) -> Plane {
 /// labels beside a contour are those beside the mesh's triangles. A plane that
 /// misses the mesh gives a section that is outside everywhere.
 ///
+/// Of a solid of one material, what its surface winds around is inside, whichever
+/// way round and how often ([`slice_with_warnings`]).
+///
 /// # Errors
-/// When the mesh is empty, damaged or not closed, or so tangled that its cut is
-/// no partition of the plane.
+/// When the mesh is empty, damaged or not closed, and when it has several materials
+/// and its cut is no partition of the plane.
 pub fn slice(mesh: &Mesh, planes: &[Plane]) -> Result<Vec<Section>> {
+    slice_with_warnings(mesh, planes).map(|(sections, _)| sections)
+}
+
+/// The same, with what had to be made right: surfaces that face inward, and such as
+/// overlap.
+///
+/// # Errors
+/// As [`slice`].
+pub fn slice_with_warnings(mesh: &Mesh, planes: &[Plane]) -> Result<(Vec<Section>, Vec<Warning>)> {
     check(mesh)?;
     let diagonal = mesh.bounds().map_or(0.0, |bounds| bounds.diagonal());
-    sections(planes, diagonal, |plane| mesh.cut(plane))
+    let material = only_material(mesh);
+    let cuts = planes.par_iter().enumerate();
+    let cuts = cuts.map(|(number, plane)| cut(mesh, material, number, plane, diagonal));
+    let (sections, windings): (Vec<Section>, Vec<[i32; 2]>) =
+        cuts.collect::<Result<Vec<_>>>()?.into_iter().unzip();
+    let found = |is_found: fn(&[i32; 2]) -> bool, what: &str| {
+        let count = windings.iter().filter(|range| is_found(range)).count();
+        let what = format!("on {count} of {} planes the mesh {what}", planes.len());
+        (count > 0).then_some(Warning { section: String::new(), what })
+    };
+    let inward = found(
+        |range| range[0] < 0,
+        "faces inward, in part or everywhere: what it encloses counts as inside, as if it were \
+         turned round",
+    );
+    let overlapping = found(
+        |range| range[0] < -1 || range[1] > 1,
+        "overlaps itself, or has a shell within another that faces the same way: what is inside \
+         of any of them counts as inside (turn a shell round that is meant as a cavity)",
+    );
+    Ok((sections, inward.into_iter().chain(overlapping).collect()))
+}
+
+/// The material of a mesh between it and outside alone.
+fn only_material(mesh: &Mesh) -> Option<Label> {
+    let &[material, _] = mesh.sides.first()?;
+    mesh.sides.iter().all(|&sides| sides == [material, Label::OUTSIDE]).then_some(material)
+}
+
+/// A section, and the least and largest number of times that the mesh winds around a place.
+fn cut(
+    mesh: &Mesh,
+    material: Option<Label>,
+    number: usize,
+    plane: &Plane,
+    diagonal: f64,
+) -> Result<(Section, [i32; 2])> {
+    let (name, rules) = (format!("plane {}", number + 1), Rules::default());
+    let Cut { points, edges } = mesh.cut(plane);
+    let drawn = Section::from_graph(&name, *plane, &points, &edges, diagonal, &rules);
+    match (drawn, material) {
+        (Ok((section, _)), _) if section.background() == Label::OUTSIDE => Ok((section, [0, 1])),
+        (_, Some(material)) => {
+            let Cut { points, edges } = mesh.segments(plane);
+            Section::from_windings(&name, *plane, &points, &edges, material, diagonal)
+        }
+        (Ok(_), None) => Err(Error::Mesh(format!("is inside out on {name}; turn it round first"))),
+        (Err(Error::Section { .. }), None) => Err(Error::Mesh(format!(
+            "has labels that do not fit together on {name} (normal {}, offset {}): it crosses \
+             itself there, or a part of it is turned the wrong way; repair it first",
+            plane.normal, plane.offset
+        ))),
+        (Err(error), None) => Err(error),
+    }
 }
 
 /// Cuts a volume of labels by planes, one section each, in their order. The
@@ -273,6 +338,72 @@ mod tests {
         let mut mesh = tetrahedron(1.0);
         mesh.sides[1] = [Label(2), Label::OUTSIDE];
         assert!(check(&mesh).is_err());
+    }
+
+    /// Two meshes as one.
+    fn both(one: &Mesh, other: &Mesh) -> Mesh {
+        let first = one.vertices.len() as u32;
+        let moved = other.triangles.iter().map(|triangle| triangle.map(|corner| corner + first));
+        Mesh {
+            vertices: [&one.vertices[..], &other.vertices].concat(),
+            triangles: one.triangles.iter().copied().chain(moved).collect(),
+            sides: [&one.sides[..], &other.sides].concat(),
+        }
+    }
+
+    fn turned(mut mesh: Mesh) -> Mesh {
+        mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+        mesh
+    }
+
+    fn moved(mut mesh: Mesh, by: DVec3) -> Mesh {
+        mesh.vertices.iter_mut().for_each(|vertex| *vertex += by);
+        mesh
+    }
+
+    /// On the plane z = 1 the legs of a tetrahedron of 3 are 2, those of one within it a half,
+    /// and those of what it has in common with one beside it 1.
+    #[test]
+    fn what_a_surface_winds_around_is_inside_whichever_way_and_how_often() {
+        let own = tetrahedron(3.0);
+        let far = moved(own.clone(), DVec3::X * 5.0);
+        let beside = moved(own.clone(), DVec3::X);
+        let inner = moved(tetrahedron(1.0), DVec3::new(0.25, 0.25, 0.5));
+        let cases: [(&str, Mesh, f64, &[&str]); 8] = [
+            ("a solid", own.clone(), 2.0, &[]),
+            ("inside out", turned(own.clone()), 2.0, &["faces inward"]),
+            ("one of two inside out", both(&own, &turned(far.clone())), 4.0, &["faces inward"]),
+            ("both inside out", turned(both(&own, &far)), 4.0, &["faces inward"]),
+            ("overlapping", both(&own, &beside), 3.5, &["overlaps itself"]),
+            ("one within", both(&own, &inner), 2.0, &["overlaps itself"]),
+            ("a cavity", both(&own, &turned(inner.clone())), 1.875, &[]),
+            ("a cavity, inside out", both(&turned(own.clone()), &inner), 1.875, &["faces inward"]),
+        ];
+        for (name, mesh, expected, words) in cases {
+            for sign in [1.0, -1.0] {
+                let plane = Plane { normal: DVec3::Z * sign, offset: sign };
+                let (sections, warnings) = slice_with_warnings(&mesh, &[plane]).expect(name);
+                assert!((area(&sections[0], Label(1)) - expected).abs() < 1e-12, "{name}");
+                assert_eq!(sections[0].background(), Label::OUTSIDE, "{name}");
+                assert_eq!(warnings.len(), words.len(), "{name}: {warnings:?}");
+                for (warning, word) in warnings.iter().zip(words) {
+                    assert!(warning.what.contains(word), "{name}: {warning:?}");
+                }
+            }
+        }
+        // The same surface twice is there once.
+        let (triangles, sides) = (own.triangles.repeat(2), own.sides.repeat(2));
+        let twice = Mesh { triangles, sides, ..own.clone() };
+        assert_eq!(area(&one_section(&twice, DVec3::Z, 1.0), Label(1)), 2.0);
+        // Of several materials the labels say what is where.
+        let mut two = both(&own, &beside);
+        two.sides[4..].fill([Label(2), Label::OUTSIDE]);
+        let plane = Plane { normal: DVec3::Z, offset: 1.0 };
+        let error = slice(&two, &[plane]).expect_err("they overlap").to_string();
+        assert!(
+            error.contains("the mesh has labels that do not fit together on plane 1"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::io::{self, mesh::MeshKind};
 use crate::output::Outputs;
 use crate::plane::{Bounds, Plane};
 use crate::section::{Rules, Section, Sections};
-use crate::slice::{Family, slice, slice_volume};
+use crate::slice::{Family, slice_volume, slice_with_warnings};
 use crate::sweep::{Sweep, framed};
 
 /// Cuts and writes.
@@ -21,6 +21,7 @@ pub fn run(arguments: &SliceArguments) -> Result<()> {
     watcher.progress().begin("slice", 0);
     let sections = cut(arguments).map_err(|error| match error {
         Error::Option(what) => Error::file(&arguments.solid, what),
+        Error::Mesh(what) => Error::file(&arguments.solid, format!("the mesh {what}")),
         other => other,
     })?;
     outputs.write(&arguments.output, |out| write(&sections, out))?;
@@ -50,8 +51,15 @@ fn cut(arguments: &SliceArguments) -> Result<Sections> {
 fn cut_mesh(arguments: &SliceArguments) -> Result<Sections> {
     let mesh = read_mesh(&arguments.solid)?;
     let bounds = mesh.bounds().ok_or_else(|| Error::Option("it has no vertex".to_owned()))?;
-    let sections = cut_by(arguments, &bounds, |planes| slice(&mesh, planes))?;
-    Sections::new(sections, &Rules::default())
+    let mut warnings = Vec::new();
+    let sections = cut_by(arguments, &bounds, |planes| {
+        let (sections, found) = slice_with_warnings(&mesh, planes)?;
+        warnings = found;
+        Ok(sections)
+    })?;
+    let mut sections = Sections::new(sections, &Rules::default())?;
+    sections.warnings.append(&mut warnings);
+    Ok(sections)
 }
 
 fn cut_volume(arguments: &SliceArguments) -> Result<Sections> {
@@ -71,7 +79,7 @@ fn cut_volume(arguments: &SliceArguments) -> Result<Sections> {
 fn cut_by(
     arguments: &SliceArguments,
     bounds: &Bounds,
-    cut: impl Fn(&[Plane]) -> Result<Vec<Section>>,
+    mut cut: impl FnMut(&[Plane]) -> Result<Vec<Section>>,
 ) -> Result<Vec<Section>> {
     match arguments.sweep {
         None => cut(&family(arguments).planes(bounds)?),

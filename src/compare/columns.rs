@@ -1,5 +1,7 @@
-//! Which voxels lie inside a closed surface, by columns along z: a centre is
-//! inside when a line through it has an odd number of crossings below.
+//! Which voxels lie inside a surface, by columns along z: a centre is inside where the surface
+//! winds around it at all, whichever way round and how often. A column that the surface leaves
+//! more or less often than it enters, as it is open or not turned the same way everywhere, goes
+//! by parity: a centre is inside when an odd number of crossings is below.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -16,11 +18,19 @@ pub struct Grid {
     dims: [i64; 2],
 }
 
-/// The crossings of every column with a surface.
+/// What lies inside a surface.
 pub struct Columns {
-    /// The column, and the first voxel whose centre lies beyond; sorted.
-    crossings: Vec<(i64, i64)>,
+    /// The column, and the first voxel beyond which it is inside, and outside, in turn; sorted.
+    changes: Vec<(i64, i64)>,
+    /// Columns with an odd number of crossings: none, for a closed surface.
+    pub odd: usize,
+    /// Voxels that the surface winds around more than once.
+    pub overlapping: u64,
 }
+
+/// The column, the first voxel whose centre lies beyond, and 1 where one enters the surface there
+/// upward, −1 where one leaves it.
+type Crossing = (i64, i64, i32);
 
 impl Grid {
     /// With `count` voxels along the longest side of a box.
@@ -38,15 +48,20 @@ impl Grid {
 
     /// Where a surface crosses them.
     pub fn columns(&self, surface: &Surface) -> Columns {
-        let mut crossings: Vec<(i64, i64)> = (0..surface.triangles.len())
+        let mut crossings: Vec<Crossing> = (0..surface.triangles.len())
             .into_par_iter()
             .flat_map_iter(|triangle| self.crossings(surface.corners(triangle)))
             .collect();
         crossings.par_sort_unstable();
-        Columns { crossings }
+        Columns::new(&crossings)
     }
 
-    fn crossings(&self, corners: [DVec3; 3]) -> Vec<(i64, i64)> {
+    /// The volume of so many voxels.
+    pub fn volume(&self, voxels: u64) -> f64 {
+        voxels as f64 * self.voxel.powi(3)
+    }
+
+    fn crossings(&self, corners: [DVec3; 3]) -> Vec<Crossing> {
         let [a, b, c] = corners;
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let range = |axis: usize| {
@@ -58,8 +73,9 @@ impl Grid {
             for j in range(1) {
                 let centre =
                     self.origin.truncate() + self.voxel * (DVec2::new(i as f64, j as f64) + 0.5);
-                if let Some(height) = height(corners, centre) {
-                    crossings.push((i * self.dims[1] + j, self.first_centre(height, 2)));
+                if let Some((height, entering)) = crossing(corners, centre) {
+                    let column = i * self.dims[1] + j;
+                    crossings.push((column, self.first_centre(height, 2), entering));
                 }
             }
         }
@@ -73,28 +89,53 @@ impl Grid {
 }
 
 impl Columns {
-    /// How many columns have an odd number of crossings: none, for a closed
-    /// surface.
-    pub fn odd(&self) -> usize {
-        self.crossings
-            .chunk_by(|one, other| one.0 == other.0)
-            .filter(|run| run.len() % 2 == 1)
-            .count()
+    /// From sorted crossings.
+    fn new(crossings: &[Crossing]) -> Self {
+        let mut columns = Self { changes: Vec::new(), odd: 0, overlapping: 0 };
+        for run in crossings.chunk_by(|one, other| one.0 == other.0) {
+            match run.iter().map(|crossing| crossing.2).sum() {
+                0 => columns.add_winding(run),
+                _ => columns.add_parity(run),
+            }
+        }
+        columns
     }
 
-    /// Voxels inside both, and inside either. In a column with an odd number
-    /// of crossings the last one does not count.
+    fn add_winding(&mut self, run: &[Crossing]) {
+        let (mut winding, mut last) = (0i32, 0);
+        for &(column, voxel, entering) in run {
+            if winding.abs() > 1 {
+                self.overlapping += (voxel - last) as u64;
+            }
+            let was_inside = winding != 0;
+            winding += entering;
+            if was_inside != (winding != 0) {
+                self.changes.push((column, voxel));
+            }
+            last = voxel;
+        }
+    }
+
+    /// The last of an odd number of crossings does not count.
+    fn add_parity(&mut self, run: &[Crossing]) {
+        self.odd += run.len() % 2;
+        let even = &run[..run.len() / 2 * 2];
+        self.changes.extend(even.iter().map(|&(column, voxel, _)| (column, voxel)));
+    }
+
+    /// Voxels inside.
+    pub fn inside(&self) -> u64 {
+        let spans = self.changes.as_chunks::<2>().0.iter();
+        spans.map(|[enter, leave]| (leave.1 - enter.1) as u64).sum()
+    }
+
+    /// Voxels inside both, and inside either.
     pub fn common_and_union(&self, other: &Self) -> (u64, u64) {
-        let mut events: Vec<(i64, i64, usize)> = [self, other]
-            .into_iter()
-            .enumerate()
-            .flat_map(|(source, columns)| {
-                columns.crossings.chunk_by(|one, other| one.0 == other.0).flat_map(move |run| {
-                    let even = &run[..run.len() / 2 * 2];
-                    even.iter().map(move |&(column, voxel)| (column, voxel, source))
-                })
-            })
-            .collect();
+        let of = |columns: &Self, source: usize| {
+            let changes = columns.changes.iter();
+            changes.map(|&(column, voxel)| (column, voxel, source)).collect::<Vec<_>>()
+        };
+        let mut events = [of(self, 0), of(other, 1)].concat();
         events.par_sort_unstable();
         let mut inside = [false; 2];
         let (mut common, mut union) = (0, 0);
@@ -110,10 +151,11 @@ impl Columns {
     }
 }
 
-/// Where a vertical line meets a triangle. Lines through edges and vertices
+/// Where a vertical line meets a triangle, and 1 where it enters its back upward, −1 where it
+/// leaves it. Lines through edges and vertices
 /// are taken to run a little to their right, and yet less behind them, so
 /// that of the triangles around a point exactly the right ones are met.
-fn height([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
+fn crossing([a, b, c]: [DVec3; 3], at: DVec2) -> Option<(f64, i32)> {
     let flat = [a, b, c].map(DVec3::truncate);
     let left = [[1, 2], [2, 0], [0, 1]].map(|[start, end]| is_left(flat[start], flat[end], at));
     if left[0] != left[1] || left[1] != left[2] {
@@ -124,7 +166,9 @@ fn height([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
     let sum: f64 = weights.iter().sum();
     let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
     let mean = (weights[0] * a.z + weights[1] * b.z + weights[2] * c.z) / sum;
-    Some(if mean.is_finite() { mean.clamp(low, high) } else { low })
+    let height = if mean.is_finite() { mean.clamp(low, high) } else { low };
+    // Counter-clockwise as seen from above, it faces upward.
+    Some((height, if left[0] { -1 } else { 1 }))
 }
 
 /// Whether a point lies left of the line from start to end, decided exactly;
@@ -165,10 +209,41 @@ mod tests {
         let grid = Grid { origin: DVec3::splat(-0.5), voxel: 1.0, dims: [8, 8] };
         let outer = grid.columns(&block(DVec3::ZERO, DVec3::splat(6.0)));
         let inner = grid.columns(&block(DVec3::splat(2.0), DVec3::splat(4.0)));
-        assert_eq!((outer.odd(), inner.odd()), (0, 0));
+        assert_eq!((outer.odd, inner.odd), (0, 0));
         // Centres 0 … 5 and 2 … 3: the lower end counts, the upper does not.
         assert_eq!(outer.common_and_union(&inner), (2 * 2 * 2, 6 * 6 * 6));
         assert_eq!(inner.common_and_union(&inner), (8, 8));
+    }
+
+    /// Blocks of 3³ voxels: what is inside of several, or of one that faces inward, is inside.
+    #[test]
+    fn what_is_wound_around_is_inside_whichever_way_and_how_often() {
+        let grid = Grid { origin: DVec3::splat(-0.5), voxel: 1.0, dims: [8, 8] };
+        let at = |corner: f64| block(DVec3::splat(corner), DVec3::splat(corner + 3.0));
+        let turned = |mut surface: Surface| {
+            surface.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+            surface
+        };
+        let both = |one: Surface, other: Surface| {
+            let first = one.vertices.len() as u32;
+            let moved = other.triangles.iter().map(|triangle| triangle.map(|at| at + first));
+            let triangles = one.triangles.iter().copied().chain(moved).collect();
+            let vertices = [one.vertices, other.vertices].concat();
+            grid.columns(&Surface { vertices, triangles })
+        };
+        let counts = |columns: &Columns| (columns.inside(), columns.overlapping, columns.odd);
+        assert_eq!(counts(&grid.columns(&turned(at(0.0)))), (27, 0, 0));
+        assert_eq!(counts(&both(at(0.0), at(0.0))), (27, 27, 0));
+        assert_eq!(counts(&both(at(0.0), at(2.0))), (53, 1, 0));
+        assert_eq!(counts(&both(at(0.0), turned(at(4.0)))), (54, 0, 0));
+        let cavity = block(DVec3::ONE, DVec3::splat(2.0));
+        assert_eq!(counts(&both(at(0.0), turned(cavity.clone()))), (26, 0, 0));
+        assert_eq!(counts(&both(at(0.0), cavity)), (27, 1, 0));
+        // A lid turned round does not change what is inside, by parity.
+        let mut lid = at(0.0);
+        lid.triangles[2].swap(0, 1);
+        lid.triangles[3].swap(0, 1);
+        assert_eq!(counts(&grid.columns(&lid)), (27, 0, 0));
     }
 
     #[test]

@@ -17,7 +17,7 @@ use crate::mesh::nearest::Nearest;
 use crate::mesh::{Mesh, Surface};
 use crate::plane::Bounds;
 use crate::progress::Progress;
-use columns::Grid;
+use columns::{Columns, Grid};
 
 /// How finely is looked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,10 +82,13 @@ pub fn compare(
 ) -> Result<Comparison> {
     progress.begin("compare", 5);
     let mut warnings = Vec::new();
-    let solid = Solid::new(mesh, "mesh", &mut warnings)?;
-    let reference = Solid::new(reference, "reference", &mut warnings)?;
+    let mut solids = [
+        Solid::new(mesh, "mesh", &mut warnings)?,
+        Solid::new(reference, "reference", &mut warnings)?,
+    ];
     progress.advance(1);
-    let iou = iou(&solid, &reference, options, &mut warnings)?;
+    let iou = iou(&mut solids, options, &mut warnings)?;
+    let [solid, reference] = solids;
     progress.advance(1);
     let diagonal = reference.bounds.diagonal();
     let to_reference = distance(&solid.surface, &reference.surface, diagonal, options)?;
@@ -110,6 +113,8 @@ struct Solid {
     name: &'static str,
     surface: Surface,
     bounds: Bounds,
+    /// Whether all of the surface is closed and faces outward.
+    is_outward: bool,
     volume: f64,
     area: f64,
 }
@@ -129,41 +134,50 @@ impl Solid {
                  its volume is doubtful"
             ));
         } else if !facts.outward {
-            warnings.push(format!("the {name} faces inward in part: its volume is taken by size"));
+            warnings.push(format!(
+                "the {name} faces inward in part: what it encloses counts as inside all the same"
+            ));
         }
-        let volume = facts.volume.abs();
-        if volume == 0.0 || volume.is_nan() {
-            return Err(Error::Option(format!("the {name} encloses no volume: it must be closed")));
+        let (volume, area) = (facts.volume.abs(), facts.area);
+        Ok(Self { name, surface, bounds, is_outward: facts.outward, volume, area })
+    }
+
+    /// What of a grid lies inside. Where the surface says no volume, the grid does.
+    fn columns(&mut self, grid: &Grid, warnings: &mut Vec<String>) -> Columns {
+        let (name, columns) = (self.name, grid.columns(&self.surface));
+        if columns.odd > 0 {
+            warnings.push(format!(
+                "{} of {} lines through the {name} leave it more or less often than they enter: \
+                 it is not closed there",
+                columns.odd,
+                grid.count(),
+            ));
         }
-        Ok(Self { name, surface, bounds, volume, area: facts.area })
+        let inside = columns.inside();
+        if columns.overlapping > 0 {
+            warnings.push(format!(
+                "the {name} overlaps itself in {:.2} % of its volume, which counts once; areas and \
+                 distances are of all of its surface",
+                100.0 * columns.overlapping as f64 / inside as f64
+            ));
+        }
+        if columns.overlapping > 0 || !self.is_outward {
+            self.volume = grid.volume(inside);
+        }
+        columns
     }
 }
 
 /// Counts voxels whose centres lie inside.
-fn iou(
-    solid: &Solid,
-    reference: &Solid,
-    options: &Options,
-    warnings: &mut Vec<String>,
-) -> Result<f64> {
-    let joint = Bounds {
-        min: solid.bounds.min.min(reference.bounds.min),
-        max: solid.bounds.max.max(reference.bounds.max),
-    };
+fn iou(solids: &mut [Solid; 2], options: &Options, warnings: &mut Vec<String>) -> Result<f64> {
+    let [solid, reference] = &solids;
+    let joint = solid.bounds.union(reference.bounds);
     let grid = Grid::around(&joint, options.grid.max(1));
-    let inside = [solid, reference].map(|solid| {
-        let columns = grid.columns(&solid.surface);
-        let odd = columns.odd();
-        if odd > 0 {
-            warnings.push(format!(
-                "{odd} of {} lines through the {} leave it more or less often than they enter: \
-                 it is not closed there",
-                grid.count(),
-                solid.name
-            ));
-        }
-        columns
-    });
+    let inside = solids.each_mut().map(|solid| solid.columns(&grid, warnings));
+    let is_empty = |solid: &&Solid| solid.volume == 0.0 || solid.volume.is_nan();
+    if let Some(Solid { name, .. }) = solids.iter().find(is_empty) {
+        return Err(Error::Option(format!("the {name} encloses no volume: it must be closed")));
+    }
     let (common, union) = inside[0].common_and_union(&inside[1]);
     if union == 0 {
         let what = "both solids are thinner than a voxel everywhere: choose a finer grid";
@@ -230,6 +244,33 @@ mod tests {
         assert!((found.iou - common / union).abs() < 3e-3, "{}", found.iou);
         // The far poles are d apart.
         assert!((found.hausdorff * found.diagonal - d).abs() < 2e-3);
+    }
+
+    /// Inside is what a surface winds around, whichever way round and how often.
+    #[test]
+    fn overlapping_and_turned_surfaces_count_once() {
+        let (whole, inner) = (ball(0.7, DVec3::ZERO), ball(0.35, DVec3::ZERO));
+        let both = |one: &Mesh, other: &Mesh| {
+            let first = one.vertices.len() as u32;
+            let moved = other.triangles.iter().map(|triangle| triangle.map(|at| at + first));
+            Mesh {
+                vertices: [&one.vertices[..], &other.vertices].concat(),
+                triangles: one.triangles.iter().copied().chain(moved).collect(),
+                sides: [&one.sides[..], &other.sides].concat(),
+            }
+        };
+        let mut turned = whole.clone();
+        turned.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+        for (mesh, word) in [
+            (both(&whole, &whole), "overlaps itself in 100.00 %"),
+            (both(&whole, &inner), "overlaps itself in 12."),
+            (turned, "faces inward"),
+        ] {
+            let found = figures(&mesh, &whole);
+            assert_eq!(found.iou, 1.0, "{word}");
+            assert!((found.volume_ratio - 1.0).abs() < 1e-3, "{}", found.volume_ratio);
+            assert!(matches!(&found.warnings[..], [only] if only.contains(word)), "{found:?}");
+        }
     }
 
     #[test]

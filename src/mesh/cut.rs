@@ -16,8 +16,8 @@ use crate::section::Edge;
 pub struct Cut {
     /// World units, on the plane to rounding.
     pub points: Vec<DVec3>,
-    /// No two with the same ends; labels as seen with the plane's normal
-    /// pointing at the viewer.
+    /// Labels as seen with the plane's normal pointing at the viewer. From
+    /// [`Mesh::cut`] no two with the same ends.
     pub edges: Vec<Edge>,
 }
 
@@ -28,6 +28,12 @@ impl Mesh {
     /// Cuts the mesh. Vertices on the plane count as above it, so that every
     /// triangle is cut along a segment or not at all.
     pub fn cut(&self, plane: &Plane) -> Cut {
+        let Cut { points, edges } = self.segments(plane);
+        Cut { points, edges: without_doubles(edges) }
+    }
+
+    /// The same with an edge for each triangle that is cut, its back on the left.
+    pub fn segments(&self, plane: &Plane) -> Cut {
         let above: Vec<f64> =
             self.vertices.par_iter().map(|&vertex| plane.distance(vertex)).collect();
         let segments: Vec<([Name; 2], [Label; 2])> = self
@@ -48,7 +54,6 @@ impl Mesh {
             });
             cut.edges.push(Edge { start, end, left, right });
         }
-        cut.edges = without_doubles(cut.edges);
         cut
     }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::draft::Draft;
 use super::loops::{crossings, odd};
-use super::subdivision::{Cover, Curves, Side, Subdivision, UNBOUNDED, Windings};
+use super::subdivision::{Cover, Curves, Side, Subdivision, UNBOUNDED, Windings, times};
 use super::{Edge, Findings, Rules, Section};
 use crate::error::{Error, Result};
 use crate::label::Label;
@@ -66,6 +66,41 @@ impl Section {
         }
         let section = graph.subdivision.section(&draft, &faces);
         Ok((section, draft.findings))
+    }
+
+    /// A section from closed curves that may cross, touch and run along each other: a label
+    /// wherever they wind around a point at all, outside elsewhere; with the least and the
+    /// largest number of times that they wind, counter-clockwise positive.
+    ///
+    /// # Errors
+    /// Where the plane is none, a vertex is not finite or too far off the plane.
+    pub(crate) fn from_windings(
+        name: &str,
+        plane: Plane,
+        points: &[DVec3],
+        edges: &[Edge],
+        label: Label,
+        diagonal: f64,
+    ) -> Result<(Self, [i32; 2])> {
+        const ALL: u32 = 0;
+        let rules = Rules::default();
+        let mut draft = Draft::new(name, plane, diagonal, &rules)?;
+        let mut curves = Curves::default();
+        let mut numbers = Vec::with_capacity(points.len());
+        for (i, &point) in points.iter().enumerate() {
+            numbers.push(curves.point(draft.project(point, || format!("vertex {i}"))?));
+        }
+        for edge in edges {
+            let [start, end] = [edge.start, edge.end].map(|vertex| numbers[vertex as usize]);
+            curves.segment(ALL as usize, start, end);
+        }
+        let subdivision = curves.subdivide(&mut draft)?;
+        let windings = subdivision.windings();
+        let windings: Vec<i32> = windings.iter().map(|own| times(own, ALL)).collect();
+        let of = |&winding: &i32| if winding == 0 { Label::OUTSIDE } else { label };
+        let labels: Vec<Label> = windings.iter().map(of).collect();
+        let range = windings.iter().fold([0; 2], |[low, high], &own| [low.min(own), high.max(own)]);
+        Ok((subdivision.section(&draft, &labels), range))
     }
 }
 
