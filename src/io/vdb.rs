@@ -1,5 +1,6 @@
 //! OpenVDB files.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use cxx::UniquePtr;
@@ -25,6 +26,15 @@ pub use reading::{GridInfo, VdbFile};
 
 /// What programs are told wrote the file.
 const CREATOR: &str = concat!("transect ", env!("CARGO_PKG_VERSION"));
+
+/// OpenVDB makes no transforms of voxels below 1.4e-5: these are written this many times larger,
+/// as often as it takes.
+const ENLARGED: f64 = 1000.0;
+/// No voxel is smaller than this in a file.
+const LEAST_VOXEL: f64 = 1e-4;
+/// The sizes of voxels, in world units, whose squares single precision holds, and the numbers
+/// by which they are enlarged.
+const VOXELS: RangeInclusive<f64> = 1e-18..=1e18;
 
 /// What is written.
 #[derive(Debug, Clone, Copy)]
@@ -56,8 +66,34 @@ pub fn write(path: &Path, contents: &VdbContents) -> Result<()> {
     let wanted = names::resolve(contents.grids, contents.materials)?;
     let mut builder = Builder::new(contents)?;
     wanted.into_iter().try_for_each(|grid| builder.add(grid))?;
-    describe(&mut builder.volumes, "", contents.units, contents.frame)?;
+    let (scale, volumes) = (builder.scale, &mut builder.volumes);
+    describe(volumes, "", contents.units, contents.frame, scale)?;
     finish(&mut builder.volumes, contents.materials, path)
+}
+
+/// What a world unit is in units of a file: 1, or more where voxels are too small for OpenVDB.
+fn scale(lattice: &Lattice) -> Result<f64> {
+    if !VOXELS.contains(&lattice.voxel) {
+        let what = format!(
+            "voxels of {:e} are beyond what the single precision of .vdb files can hold: use other \
+             units of length",
+            lattice.voxel
+        );
+        return Err(Error::Option(what));
+    }
+    let mut scale = 1.0;
+    while scale * lattice.voxel < LEAST_VOXEL {
+        scale *= ENLARGED;
+    }
+    Ok(scale)
+}
+
+/// Makes sure that there are all grids of these names, before any work is done.
+///
+/// # Errors
+/// A grid of a material that does not exist.
+pub fn require_grids(grids: &[GridName], materials: &[Material]) -> Result<()> {
+    names::resolve(grids, materials).map(|_| ())
 }
 
 /// Says of the file what its labels mean, and writes it.
@@ -80,14 +116,25 @@ fn finish(
     synced.map_err(|error| Error::file(path, format!("cannot be written: {error}")))
 }
 
-/// Says of a grid, or of the file, who made it and where it is.
+/// No grids yet on the nodes of a lattice, and what a world unit is in units of the file.
+fn volumes_on(lattice: &Lattice) -> Result<(UniquePtr<ffi::Volumes>, f64)> {
+    let scale = scale(lattice)?;
+    let origin = (scale * lattice.origin).to_array();
+    let volumes = ffi::new_volumes(scale * lattice.voxel, origin).map_err(library)?;
+    Ok((volumes, scale))
+}
+
+/// Says of a grid, or of the file, who made it, where it is and how much larger.
 fn describe(
     volumes: &mut UniquePtr<ffi::Volumes>,
     grid: &str,
     units: &str,
     frame: &str,
+    scale: f64,
 ) -> Result<()> {
-    for (key, text) in [("creator", CREATOR), ("units", units), ("frame", frame)] {
+    let scale = if scale == 1.0 { String::new() } else { scale.to_string() };
+    for (key, text) in [("creator", CREATOR), ("units", units), ("frame", frame), ("scale", &scale)]
+    {
         if !text.is_empty() {
             ffi::set_text(volumes.pin_mut(), grid, key, text).map_err(library)?;
         }
@@ -132,16 +179,16 @@ impl Grid {
 struct Builder<'a> {
     contents: &'a VdbContents<'a>,
     volumes: UniquePtr<ffi::Volumes>,
+    /// A world unit in units of the file.
+    scale: f64,
     /// The names and triangles of the level sets there are.
     level_sets: Vec<(String, Vec<[u32; 3]>)>,
 }
 
 impl<'a> Builder<'a> {
     fn new(contents: &'a VdbContents) -> Result<Self> {
-        let lattice = contents.lattice;
-        let volumes =
-            ffi::new_volumes(lattice.voxel, lattice.origin.to_array()).map_err(library)?;
-        Ok(Self { contents, volumes, level_sets: Vec::new() })
+        let (volumes, scale) = volumes_on(contents.lattice)?;
+        Ok(Self { contents, volumes, scale, level_sets: Vec::new() })
     }
 
     fn add(&mut self, grid: Grid) -> Result<()> {
@@ -153,7 +200,10 @@ impl<'a> Builder<'a> {
             Grid::Label => labels::add_labels(&mut self.volumes, &name, &LabelGrid::new(samples)),
             Grid::IndicatorOf(label) => self.add_volume(&name, &volume::indicator(samples, label)),
             Grid::Evidence => {
-                self.add_volume(&name, &volume::evidence(samples, self.contents.sections))
+                let mut evidence = volume::evidence(samples, self.contents.sections);
+                let values = evidence.values.iter_mut().chain(&mut evidence.tile_values);
+                values.for_each(|value| *value *= self.scale as f32);
+                self.add_volume(&name, &evidence)
             }
             Grid::Margin => self.add_volume(&name, &volume::margin(samples)),
         }?;
@@ -190,7 +240,7 @@ impl<'a> Builder<'a> {
 
     fn describe(&mut self, grid: Grid) -> Result<()> {
         let name = grid.name();
-        describe(&mut self.volumes, &name, self.contents.units, self.contents.frame)?;
+        describe(&mut self.volumes, &name, self.contents.units, self.contents.frame, self.scale)?;
         let own = |material: &&Material| Some(Label(material.id)) == grid.label();
         if let Some(material) = self.contents.materials.iter().find(own) {
             let [r, g, b] = material.color;

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use super::{add_volume, describe, finish, labels::add_labels, library};
+use super::{add_volume, describe, finish, labels::add_labels, volumes_on};
 use crate::error::Result;
-use crate::ffi::vdb as ffi;
 use crate::grid::labels::LabelGrid;
 use crate::grid::volume;
 use crate::io::mesh::About;
@@ -30,15 +29,14 @@ pub struct DifferenceContents<'a> {
 /// # Errors
 /// As [`write`](super::write).
 pub fn write_difference(path: &Path, contents: &DifferenceContents) -> Result<()> {
-    let lattice = &contents.field.lattice;
-    let mut volumes =
-        ffi::new_volumes(lattice.voxel, lattice.origin.to_array()).map_err(library)?;
-    let depths = volume::at_nodes(contents.differing, contents.depths);
+    let (mut volumes, scale) = volumes_on(&contents.field.lattice)?;
+    let depths: Vec<f32> = contents.depths.iter().map(|depth| depth * scale as f32).collect();
+    let depths = volume::at_nodes(contents.differing, &depths);
     add_volume(&mut volumes, "disagreement", &depths)?;
     add_labels(&mut volumes, "label_field", contents.field)?;
     add_labels(&mut volumes, "label_skeleton", contents.skeleton)?;
     for name in ["disagreement", "label_field", "label_skeleton", ""] {
-        describe(&mut volumes, name, contents.about.units, contents.about.frame)?;
+        describe(&mut volumes, name, contents.about.units, contents.about.frame, scale)?;
     }
     finish(&mut volumes, contents.about.materials, path)
 }

@@ -26,8 +26,12 @@ impl Ball {
     }
 
     fn at(origin: DVec3) -> Self {
-        let lattice = Lattice { origin, voxel: 0.1, dims: [40; 3] };
-        let center = lattice.origin + 1.95;
+        Self::with_voxels(origin, 0.1)
+    }
+
+    fn with_voxels(origin: DVec3, voxel: f64) -> Self {
+        let lattice = Lattice { origin, voxel, dims: [40; 3] };
+        let center = lattice.origin + 19.5 * voxel;
         let (vertices, triangles) = sphere(center, RADIUS * lattice.voxel, 5);
         let sides = vec![[Label(7), Label::OUTSIDE]; triangles.len()];
         let mesh = Mesh { vertices, triangles, sides };
@@ -150,6 +154,42 @@ fn a_ball_passes_openvdbs_checks_and_has_the_right_values() {
 
 /// Balls of radii from nothing to three voxels around nodes and between them:
 /// their distances have corners next to the surface.
+/// Lengths of millimetres and of nanometres in metres: OpenVDB makes no such transforms, so that
+/// they are enlarged, which the file says.
+#[test]
+fn voxels_of_any_size_are_written_and_read() {
+    for (voxel, scale) in [(1e-4, 1.0), (1e-5, 1e3), (1e-9, 1e6), (1e-15, 1e12), (1e6, 1.0)] {
+        let ball = Ball::with_voxels(voxel * DVec3::new(10.0, -20.0, 30.0), voxel);
+        let (_folder, file) = written(&ball, "surface,density,label,evidence");
+        let said = (scale != 1.0).then(|| format!("{scale}"));
+        assert_eq!(text(&file.metadata().unwrap(), "scale"), said);
+        let size = scale * voxel;
+        for grid in file.grids().unwrap() {
+            assert!((grid.voxel / size).abs_diff_eq(DVec3::ONE, 1e-12), "{voxel}");
+            assert!((grid.origin / size).abs_diff_eq(DVec3::new(10.0, -20.0, 30.0), 1e-10));
+            assert_eq!(text(&grid.metadata, "scale"), said);
+        }
+        assert_eq!(file.check_level_set("surface").unwrap(), "", "{voxel}");
+        for x in 5..34 {
+            let radius = ((f64::from(x) - 19.5).powi(2) + 0.5).sqrt();
+            let distance = (radius - RADIUS).clamp(-3.0, 3.0);
+            let found = file.value("surface", [x, 19, 20]).unwrap() / size;
+            assert!((found - distance).abs() < 0.01, "{voxel}: {found} {distance}");
+            let inside = file.value("density", [x, 19, 20]).unwrap() > 0.0;
+            assert_eq!(inside, distance < 0.0, "{voxel}");
+        }
+    }
+}
+
+#[test]
+fn voxels_beyond_single_precision_are_refused() {
+    for voxel in [1e-20, 1e20] {
+        let (ball, names) = (Ball::with_voxels(DVec3::ZERO, voxel), names("surface"));
+        let error = write(Path::new("none.vdb"), &ball.contents(&names)).unwrap_err().to_string();
+        assert!(error.contains("other units"), "{error}");
+    }
+}
+
 #[test]
 fn features_as_thin_as_a_voxel_pass_openvdbs_check() {
     let mut ball = Ball::new();
