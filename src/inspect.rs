@@ -1,6 +1,6 @@
 //! What is in files of sections, and what is doubtful about it.
 
-use std::fmt;
+use std::fmt::{self, Write};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::label::Label;
 use crate::plane::Bounds;
 use crate::section::{Disagreement, Region, Section, Sections, Warning};
+use crate::terminal::Lines;
 
 /// Normals that differ by less than this, in radians, are one orientation.
 const PARALLEL: f64 = 1e-6;
@@ -218,6 +219,14 @@ fn orientation(normal: DVec3, mut members: Vec<(f64, String)>) -> Orientation {
 
 impl fmt::Display for Inspection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut lines = Lines::default();
+        self.write(&mut lines)?;
+        f.write_str(lines.as_str())
+    }
+}
+
+impl Inspection {
+    fn write(&self, f: &mut Lines) -> fmt::Result {
         self.write_summary(f)?;
         self.write_orientations(f)?;
         self.write_labels(f)?;
@@ -229,10 +238,8 @@ impl fmt::Display for Inspection {
         write_told(f, "warnings", &self.warnings)?;
         self.write_disagreements(f)
     }
-}
 
-impl Inspection {
-    fn write_summary(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn write_summary(&self, f: &mut Lines) -> fmt::Result {
         let or_unknown = |text: &str| if text.is_empty() { "unknown" } else { text }.to_owned();
         writeln!(f, "files         {}", self.files.join(", "))?;
         writeln!(f, "sections      {}", self.sections)?;
@@ -248,7 +255,7 @@ impl Inspection {
         writeln!(f, "off plane     {:.3e} at most ({relative:.1e} of the diagonal)", self.off_plane)
     }
 
-    fn write_orientations(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn write_orientations(&self, f: &mut Lines) -> fmt::Result {
         writeln!(f, "orientations  {}", self.orientations.len())?;
         for group in self.orientations.iter().take(SHOWN) {
             write!(f, "  {:4} with normal {}", group.sections.len(), triple(group.normal))?;
@@ -260,7 +267,7 @@ impl Inspection {
         write_more(f, self.orientations.len())
     }
 
-    fn write_labels(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn write_labels(&self, f: &mut Lines) -> fmt::Result {
         writeln!(f, "labels        {}", self.labels.len())?;
         for label in &self.labels {
             let id = label.id.map_or("-".to_owned(), |id| id.to_string());
@@ -274,7 +281,7 @@ impl Inspection {
         Ok(())
     }
 
-    fn write_unknown(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn write_unknown(&self, f: &mut Lines) -> fmt::Result {
         writeln!(f, "unknown       on {} sections", self.unknown.len())?;
         for part in self.unknown.iter().take(SHOWN) {
             write!(f, "  {}: ", part.section)?;
@@ -291,7 +298,7 @@ impl Inspection {
         write_more(f, self.unknown.len())
     }
 
-    fn write_disagreements(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn write_disagreements(&self, f: &mut Lines) -> fmt::Result {
         let total = self.disagreements.iter().fold(0.0, |sum, pair| sum + pair.length);
         writeln!(
             f,
@@ -319,7 +326,7 @@ fn triple([x, y, z]: [f64; 3]) -> String {
     format!("({x:.6}, {y:.6}, {z:.6})")
 }
 
-fn write_told(f: &mut fmt::Formatter<'_>, title: &str, told: &[Warning]) -> fmt::Result {
+fn write_told(f: &mut Lines, title: &str, told: &[Warning]) -> fmt::Result {
     writeln!(f, "{title:<13} {}", told.len())?;
     for Warning { section, what } in told {
         let section = if section.is_empty() { "the file" } else { section };
@@ -328,6 +335,6 @@ fn write_told(f: &mut fmt::Formatter<'_>, title: &str, told: &[Warning]) -> fmt:
     Ok(())
 }
 
-fn write_more(f: &mut fmt::Formatter<'_>, count: usize) -> fmt::Result {
+fn write_more(f: &mut Lines, count: usize) -> fmt::Result {
     if count > SHOWN { writeln!(f, "  and {} more", count - SHOWN) } else { Ok(()) }
 }

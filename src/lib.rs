@@ -124,12 +124,13 @@ pub mod slots;
 pub mod stack;
 pub mod stage;
 pub mod sweep;
+mod terminal;
 pub mod variational;
 pub mod volume;
 
 pub use change::{Change, SectionId, Step};
 #[doc(hidden)]
-pub use cli::run;
+pub use cli::{Allocator, run};
 pub use compare::compare;
 pub use context::Context;
 pub use crosscheck::crosscheck;

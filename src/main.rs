@@ -2,6 +2,9 @@
 
 use std::process::ExitCode;
 
+#[global_allocator]
+static ALLOCATOR: transect::Allocator = transect::Allocator;
+
 fn main() -> ExitCode {
     // Mesa's device-select layer prints a line that looks like an error of
     // ours wherever XDG_RUNTIME_DIR is unset.

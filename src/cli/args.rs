@@ -239,9 +239,9 @@ impl PictureArguments {
 
 #[derive(Debug, Args)]
 pub struct ThreadsArgument {
-    /// Threads [default: as many as there are processors]
+    /// Threads, no more than there are processors [default: as many]
     #[arg(long = "threads", value_name = "N",
-          value_parser = clap::value_parser!(u32).range(1..=4096))]
+          value_parser = clap::value_parser!(u32).range(1..))]
     pub count: Option<u32>,
 }
 

@@ -70,7 +70,8 @@ impl Progress for Bars {
         }
         // Shown only if this stage is still the present one by then.
         let shown = bar.downgrade();
-        std::thread::spawn(move || {
+        // Where no thread can be had there is no bar.
+        let _ = std::thread::Builder::new().spawn(move || {
             std::thread::sleep(PATIENCE);
             if let Some(bar) = shown.upgrade().filter(|bar| !bar.is_finished()) {
                 // Draws nothing unless stderr is a terminal.

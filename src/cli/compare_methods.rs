@@ -27,7 +27,6 @@ pub fn run(arguments: &CompareMethodsArguments) -> Result<()> {
         return Err(Error::Option(what.to_owned()));
     }
     let mut outputs = Outputs::reserve(known.map(|path| path.as_path()))?;
-    super::limit_threads(arguments.threads.count)?;
     let watcher = Watcher::new(arguments.quiet);
     let sections = arguments.input.read()?;
     if !arguments.quiet {

@@ -27,7 +27,6 @@ pub fn run(arguments: &CrosscheckArguments) -> Result<()> {
     let targets = arguments.output.iter().map(|path| target(path)).collect::<Result<Vec<_>>>()?;
     let known = arguments.output.iter().chain(&arguments.report);
     let mut outputs = Outputs::reserve(known.map(|path| path.as_path()))?;
-    super::limit_threads(arguments.threads.count)?;
 
     let watcher = Watcher::new(arguments.quiet);
     let mut stages = Stages::default();

@@ -1,17 +1,19 @@
 //! Errors in the command line's words, which alone knows what its options are called.
 
 use crate::error::{Error, Remedy};
+use crate::terminal::shortened;
 
-/// An error as one line, whatever a library's words contain.
+/// An error as one line, whatever a library's words contain. What is long is cut short, but for
+/// the names of files.
 pub fn line(error: &Error) -> String {
-    words(error).split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-fn words(error: &Error) -> String {
     match error {
-        Error::Avoidable { error, remedy } => format!("{}{}", words(error), option(*remedy)),
-        Error::Device(what) => format!("GPU: {what}; use --device cpu"),
-        other => other.to_string(),
+        Error::Avoidable { error, remedy } => format!("{}{}", line(error), option(*remedy)),
+        Error::Device(what) => format!("GPU: {}; use --device cpu", shortened(what)),
+        Error::File { file, what } => format!("{}: {}", file.display(), shortened(what)),
+        Error::Input { file, place, what } => {
+            format!("{}: {}: {}", file.display(), shortened(place), shortened(what))
+        }
+        other => shortened(&other.to_string()),
     }
 }
 

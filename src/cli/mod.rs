@@ -1,5 +1,6 @@
 //! The command line: a thin reader of arguments over the library.
 
+mod allocator;
 mod args;
 mod bars;
 mod compare;
@@ -19,6 +20,7 @@ mod table;
 mod targets;
 
 use std::io::{self, Write};
+use std::num::NonZero;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -30,7 +32,10 @@ use crate::ffi::threads;
 use crate::output;
 use crate::report::Report;
 use crate::section::{Sections, Warning};
-use args::{Arguments, Command};
+use crate::terminal;
+use args::{Arguments, Command, ThreadsArgument};
+
+pub use allocator::Allocator;
 
 /// How many warnings are printed one by one.
 const WARNINGS: usize = 8;
@@ -42,10 +47,11 @@ const INTERRUPTED: i32 = 130;
 /// usage.
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
-    match start().and_then(|()| dispatch(&arguments.command)) {
+    let command = &arguments.command;
+    match start().and_then(|()| start_threads(command)).and_then(|()| dispatch(command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", errors::line(&error));
+            terminal::tell(&format!("error: {}", errors::line(&error)));
             ExitCode::FAILURE
         }
     }
@@ -74,14 +80,35 @@ fn start() -> Result<()> {
     .map_err(|error| Error::Option(format!("cannot listen for Ctrl-C: {error}")))
 }
 
-/// Makes rayon and TBB use so many threads; all processors without a number.
-fn limit_threads(count: Option<u32>) -> Result<()> {
-    let Some(count) = count.map(|count| count as usize) else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(count)
-        .build_global()
-        .map_err(|error| Error::Option(format!("{count} threads cannot be started: {error}")))?;
-    threads::limit_threads(count).map_err(|exception| Error::library("threads", &exception))
+/// Makes rayon and TBB use as many threads as a command asks for, but no more than can run at
+/// once; all processors where it does not.
+fn start_threads(command: &Command) -> Result<()> {
+    let (threads, quiet) = match command {
+        Command::Reconstruct(arguments) => (&arguments.threads, arguments.quiet),
+        Command::Online(arguments) => (&arguments.threads, arguments.quiet),
+        Command::CompareMethods(arguments) => (&arguments.threads, arguments.quiet),
+        Command::Crosscheck(arguments) => (&arguments.threads, arguments.quiet),
+        Command::Slice(_) | Command::Mask(_) | Command::Inspect(_) | Command::Compare(_) => {
+            (&ThreadsArgument { count: None }, true)
+        }
+    };
+    let most = std::thread::available_parallelism().map_or(usize::MAX, NonZero::get);
+    let asked = threads.count.map(|count| count as usize);
+    let count = asked.map(|asked| asked.min(most));
+    if let Some(asked) = asked.filter(|&asked| asked > most && !quiet) {
+        terminal::tell(&format!(
+            "note: --threads asks for {asked}, and {most} can run at once: {most} are used"
+        ));
+    }
+    // 0 leaves it to rayon.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count.unwrap_or(0)).build_global();
+    pool.map_err(|error| Error::Option(format!("threads cannot be started: {error}")))?;
+    match count {
+        Some(count) => {
+            threads::limit_threads(count).map_err(|exception| Error::library("threads", &exception))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Prints a result to stdout, as JSON or as text. A reader that closes the
@@ -136,12 +163,16 @@ fn print_first<'a>(
 ) {
     for (word, warning) in all.clone().take(WARNINGS) {
         match warning.section.as_str() {
-            "" => eprintln!("{word}: {}", warning.what),
-            section => eprintln!("{word}: section {section}: {}", warning.what),
+            "" => tell_shortened(&format!("{word}: {}", warning.what)),
+            section => tell_shortened(&format!("{word}: section {section}: {}", warning.what)),
         }
     }
     let rest = all.count().saturating_sub(WARNINGS);
     if rest > 0 {
-        eprintln!("warning: and {rest} more; {where_all_are}");
+        terminal::tell(&format!("warning: and {rest} more; {where_all_are}"));
     }
+}
+
+fn tell_shortened(message: &str) {
+    terminal::tell(&terminal::shortened(message));
 }

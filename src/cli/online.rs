@@ -14,7 +14,7 @@ use super::method::method;
 use super::replies::{Cause, Reply, What, reply};
 use super::results::{Results, picture_options};
 use super::targets::{Kind, Target};
-use super::{print_found, table, write_json};
+use super::{print_found, table, tell_shortened, write_json};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::io::vdb::GridName;
@@ -82,7 +82,6 @@ impl<'a> Online<'a> {
         }
         // They are written much later, but what is wrong with them is told now.
         reserve(&targets, arguments)?;
-        super::limit_threads(arguments.threads.count)?;
         let frames = emit.as_ref().map(|path| Frames::new(path, *emit_kind, arguments.resume));
         let frames = frames.transpose()?;
         let mut stages = Stages::default();
@@ -111,7 +110,9 @@ impl<'a> Online<'a> {
             resumed.warnings.push(what.to_owned());
         }
         if !self.arguments.quiet {
-            resumed.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+            for warning in &resumed.warnings {
+                tell_shortened(&format!("warning: {warning}"));
+            }
         }
         // It may be that the last change was made, but its frame was not.
         let frame = self.write_frame()?;

@@ -6,12 +6,13 @@ use super::bars::Watcher;
 use super::method::{asked, chosen};
 use super::results::{Results, picture_options};
 use super::targets::{Kind, Target};
-use super::{print_found, print_warnings, table, write_json};
+use super::{print_found, print_warnings, table, tell_shortened, write_json};
 use crate::change::Change;
 use crate::choice::choose;
 use crate::context::Context;
 use crate::error::{Error, Remedy, Result};
 use crate::io::exact::write_exact;
+use crate::io::vdb::require_grids;
 use crate::model::{Model, Options};
 use crate::output::{Outputs, write_error};
 use crate::report::Report;
@@ -30,7 +31,6 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     require_rounded(arguments)?;
     require_picture(&arguments.picture, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
-    super::limit_threads(arguments.threads.count)?;
 
     let watcher = Watcher::new(arguments.quiet);
     let mut context = Context::new(arguments.input.reading.rules(), watcher.progress());
@@ -47,13 +47,17 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         let files = target.files(&sections.materials)?;
         files.iter().try_for_each(|(path, _)| outputs.add(path))?;
     }
+    if targets.iter().any(|target| target.kind == Kind::Vdb) {
+        require_grids(&grids, &sections.materials)?;
+    }
     let picture = picture_options(&arguments.picture, &sections.materials)?;
     let (method, choice) = match asked {
         Some(asked) => asked,
         None => chosen(&arguments.method, false, choose(&sections, resolution)?)?,
     };
     if let Some(choice) = choice.as_ref().filter(|_| !arguments.quiet) {
-        eprintln!("method: {}, because {}", choice.method.name(), choice.reasons.join(" and "));
+        let reasons = choice.reasons.join(" and ");
+        tell_shortened(&format!("method: {}, because {reasons}", choice.method.name()));
     }
     let mut model = Model::new(Options { method, resolution, bounds: None, margin, decimation });
     model.apply(Change::Add(sections), &mut context)?;

@@ -9,6 +9,7 @@ use crate::section::Disagreement;
 use crate::skeleton::Details;
 use crate::stack::Links;
 use crate::stage::Stage;
+use crate::terminal::Lines;
 
 mod crosscheck;
 mod labels;
@@ -27,13 +28,13 @@ const LINKS: usize = 5;
 
 /// Prints a report to stderr.
 pub fn print(report: &Report) {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write_report(&mut text, report);
-    eprint!("{text}");
+    let mut lines = Lines::default();
+    // Writing to lines cannot fail.
+    let _ = write_report(&mut lines, report);
+    lines.tell();
 }
 
-fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
+fn write_report(out: &mut Lines, report: &Report) -> std::fmt::Result {
     let by = if report.exact.is_some() { "" } else { "field on " };
     let by = format!("{by}{}", report.device);
     write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &by)?;
@@ -44,7 +45,7 @@ fn write_report(out: &mut String, report: &Report) -> std::fmt::Result {
 }
 
 fn write_grid(
-    out: &mut String,
+    out: &mut Lines,
     sections: usize,
     [x, y, z]: [i32; 3],
     voxel: f64,
@@ -58,7 +59,7 @@ fn write_grid(
     )
 }
 
-fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
+fn write_agreement(out: &mut Lines, report: &Report) -> std::fmt::Result {
     let check = &report.check;
     writeln!(out)?;
     let unknown: f64 = check.dice.sections.iter().map(|section| section.unknown).sum();
@@ -112,7 +113,7 @@ fn write_agreement(out: &mut String, report: &Report) -> std::fmt::Result {
 
 /// The first of the links.
 fn write_links(
-    out: &mut String,
+    out: &mut Lines,
     Links { found, .. }: &Links,
     materials: &[Material],
 ) -> std::fmt::Result {
@@ -135,7 +136,7 @@ fn write_links(
 }
 
 /// What is exact is listed, however short.
-fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
+fn write_contradictions(out: &mut Lines, exact: &Details) -> std::fmt::Result {
     if !exact.left_out.is_empty() {
         writeln!(
             out,
@@ -177,7 +178,7 @@ fn write_contradictions(out: &mut String, exact: &Details) -> std::fmt::Result {
 }
 
 fn write_stages(
-    out: &mut String,
+    out: &mut Lines,
     stages: &[Stage],
     seconds: f64,
     peak_memory: u64,
@@ -204,13 +205,13 @@ fn write_stages(
 
 /// A comparison as text.
 pub fn comparison(comparison: &Comparison) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write_comparison(&mut text, comparison);
-    text
+    let mut lines = Lines::default();
+    // Writing to lines cannot fail.
+    let _ = write_comparison(&mut lines, comparison);
+    lines.as_str().to_owned()
 }
 
-fn write_comparison(out: &mut String, comparison: &Comparison) -> std::fmt::Result {
+fn write_comparison(out: &mut Lines, comparison: &Comparison) -> std::fmt::Result {
     let Comparison { to_reference: to, from_reference: from, .. } = comparison;
     writeln!(out, "IoU            {:.5}", comparison.iou)?;
     writeln!(

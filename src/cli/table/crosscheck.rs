@@ -8,19 +8,20 @@ use crate::crosscheck::{
     Region, Solid,
 };
 use crate::label::Label;
+use crate::terminal::Lines;
 
 /// How many places are shown of each kind.
 const PLACES: usize = 4;
 
 /// Prints a report to stderr.
 pub fn print_crosscheck(report: &Crosscheck) {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write_crosscheck(&mut text, report);
-    eprint!("{text}");
+    let mut lines = Lines::default();
+    // Writing to lines cannot fail.
+    let _ = write_crosscheck(&mut lines, report);
+    lines.tell();
 }
 
-fn write_crosscheck(out: &mut String, report: &Crosscheck) -> std::fmt::Result {
+fn write_crosscheck(out: &mut Lines, report: &Crosscheck) -> std::fmt::Result {
     let found = &report.found;
     let by = format!("field on {}", report.device);
     write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &by)?;
@@ -54,7 +55,7 @@ fn write_crosscheck(out: &mut String, report: &Crosscheck) -> std::fmt::Result {
 }
 
 /// A line for each label: volumes, and pieces and handles in each mesh.
-fn write_labels(out: &mut String, report: &Crosscheck) -> std::fmt::Result {
+fn write_labels(out: &mut Lines, report: &Crosscheck) -> std::fmt::Result {
     let labels = &report.found.labels;
     let meshes = if labels.iter().any(|label| label.delaunay.is_some()) { "f/d/s" } else { "f/s" };
     writeln!(
@@ -78,7 +79,7 @@ fn write_labels(out: &mut String, report: &Crosscheck) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_label(out: &mut String, report: &Crosscheck, label: &LabelSolids) -> std::fmt::Result {
+fn write_label(out: &mut Lines, report: &Crosscheck, label: &LabelSolids) -> std::fmt::Result {
     let material = report.materials.iter().find(|material| material.id == label.label);
     let name = material.map_or_else(|| label.label.to_string(), |found| found.name.clone());
     let name: String = name.chars().take(23).collect();
@@ -99,7 +100,7 @@ fn write_label(out: &mut String, report: &Crosscheck, label: &LabelSolids) -> st
     )
 }
 
-fn write_agreement(out: &mut String, agreement: &Agreement) -> std::fmt::Result {
+fn write_agreement(out: &mut Lines, agreement: &Agreement) -> std::fmt::Result {
     writeln!(
         out,
         "labels agree     at {:.3} % of {} nodes; by their distance from the sections in voxels:",
@@ -119,7 +120,7 @@ fn write_agreement(out: &mut String, agreement: &Agreement) -> std::fmt::Result 
     Ok(())
 }
 
-fn write_points(out: &mut String, points: &Points) -> std::fmt::Result {
+fn write_points(out: &mut Lines, points: &Points) -> std::fmt::Result {
     writeln!(
         out,
         "random points    {:.3} % of {} agree; {} of them must",
@@ -153,7 +154,7 @@ fn write_points(out: &mut String, points: &Points) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_parts(out: &mut String, count: usize, parts: &[Part]) -> std::fmt::Result {
+fn write_parts(out: &mut Lines, count: usize, parts: &[Part]) -> std::fmt::Result {
     writeln!(out, "differing parts  {}", grouped(count as u64))?;
     for part in parts.iter().take(PLACES) {
         writeln!(
@@ -169,7 +170,7 @@ fn write_parts(out: &mut String, count: usize, parts: &[Part]) -> std::fmt::Resu
     Ok(())
 }
 
-fn write_pairing(out: &mut String, pairing: &Pairing) -> std::fmt::Result {
+fn write_pairing(out: &mut Lines, pairing: &Pairing) -> std::fmt::Result {
     let Pairing { cells, differ, thin, .. } = pairing;
     writeln!(
         out,
@@ -192,7 +193,7 @@ fn write_pairing(out: &mut String, pairing: &Pairing) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_gap(out: &mut String, name: &str, gap: Option<&Gap>) -> std::fmt::Result {
+fn write_gap(out: &mut Lines, name: &str, gap: Option<&Gap>) -> std::fmt::Result {
     let Some(gap) = gap else { return Ok(()) };
     let farthest = if gap.there.max >= gap.back.max { gap.there } else { gap.back };
     writeln!(
@@ -206,7 +207,7 @@ fn write_gap(out: &mut String, name: &str, gap: Option<&Gap>) -> std::fmt::Resul
     )
 }
 
-fn write_against(out: &mut String, against: &Against) -> std::fmt::Result {
+fn write_against(out: &mut Lines, against: &Against) -> std::fmt::Result {
     let Against { file, solid, gap, comparison, refused } = against;
     writeln!(
         out,

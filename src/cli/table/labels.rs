@@ -6,6 +6,7 @@ use super::{LABELS, number};
 use crate::check::LabelCheck;
 use crate::check::passage::Passage;
 use crate::report::Report;
+use crate::terminal::Lines;
 
 /// How many places are shown where pieces begin and end.
 const PASSAGES: usize = 8;
@@ -13,7 +14,7 @@ const PASSAGES: usize = 8;
 const NAME: usize = 23;
 
 /// A row for each label, and then what is to be said of some.
-pub fn write_labels(out: &mut String, report: &Report) -> Result {
+pub fn write_labels(out: &mut Lines, report: &Report) -> Result {
     let labels = &report.check.labels;
     let stacked = if report.check.stack.is_some() { "of stack" } else { "" };
     writeln!(
@@ -38,7 +39,7 @@ fn name(report: &Report, label: &LabelCheck) -> String {
     name.chars().take(NAME).collect()
 }
 
-fn write_label(out: &mut String, report: &Report, label: &LabelCheck) -> Result {
+fn write_label(out: &mut Lines, report: &Report, label: &LabelCheck) -> Result {
     let facts = &label.facts;
     let stacked = label.cavalieri.map_or(String::new(), |own| format!("× {:.3}", own.ratio));
     let ripple = label.ripple.map_or(String::new(), |own| format!("{:.1}°", own.angle()));
@@ -60,7 +61,7 @@ fn write_label(out: &mut String, report: &Report, label: &LabelCheck) -> Result 
 }
 
 /// Where pieces begin and end within the stack.
-fn write_passages(out: &mut String, report: &Report) -> Result {
+fn write_passages(out: &mut Lines, report: &Report) -> Result {
     let labels = report.check.labels.iter();
     let all: Vec<(&LabelCheck, &Passage)> = labels
         .flat_map(|label| label.passages.iter().map(move |passage| (label, passage)))
@@ -97,7 +98,7 @@ fn begin_and_end(passage: &Passage) -> String {
 }
 
 /// Contours that the surface does not come near to.
-fn write_unreached(out: &mut String, report: &Report, label: &LabelCheck) -> Result {
+fn write_unreached(out: &mut Lines, report: &Report, label: &LabelCheck) -> Result {
     let unreached = label.unreached;
     if unreached.contours == 0 {
         return Ok(());

@@ -4,16 +4,17 @@ use std::fmt::Write;
 
 use super::number;
 use crate::compare::methods::{Entry, Figures};
+use crate::terminal::Lines;
 
 /// A line for each method, and below why others do not apply.
 pub fn methods(entries: &[Entry]) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write_methods(&mut text, entries);
-    text
+    let mut lines = Lines::default();
+    // Writing to lines cannot fail.
+    let _ = write_methods(&mut lines, entries);
+    lines.as_str().to_owned()
 }
 
-fn write_methods(out: &mut String, entries: &[Entry]) -> std::fmt::Result {
+fn write_methods(out: &mut Lines, entries: &[Entry]) -> std::fmt::Result {
     let found = || entries.iter().filter_map(|entry| Some((entry, entry.figures.as_ref()?)));
     let is_compared = found().any(|(_, figures)| figures.reference.is_some());
     write!(out, "{:<13}", "method")?;
@@ -67,7 +68,7 @@ fn share(value: Option<f64>) -> String {
     value.map_or_else(|| "none".to_owned(), |own| format!("{own:.4}"))
 }
 
-fn write_reference(out: &mut String, figures: &Figures) -> std::fmt::Result {
+fn write_reference(out: &mut Lines, figures: &Figures) -> std::fmt::Result {
     let Some(against) = &figures.reference else { return write!(out, "{:>63}", "no surface") };
     write!(
         out,
