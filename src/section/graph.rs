@@ -83,7 +83,7 @@ impl Section {
         diagonal: f64,
     ) -> Result<(Self, [i32; 2])> {
         const ALL: u32 = 0;
-        let rules = Rules::default();
+        let rules = Rules { snapping: Some(0.0), ..Rules::default() };
         let mut draft = Draft::new(name, plane, diagonal, &rules)?;
         let mut curves = Curves::default();
         let mut numbers = Vec::with_capacity(points.len());
