@@ -5,6 +5,7 @@ mod common;
 mod program;
 
 use std::fs;
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 

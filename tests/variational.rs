@@ -123,7 +123,7 @@ fn a_ball_comes_back_from_few_sections() {
         assert_eq!((facts.components, facts.genus), (1, 0), "{name}");
         let ratio = facts.volume / volume;
         assert!((ratio - 1.0).abs() < off, "{name}: {ratio}");
-        assert!(check.dice.min > Some(0.99), "{name}: {}", check.dice.min);
+        assert!(check.dice.min > Some(0.99), "{name}: {:?}", check.dice.min);
     }
 }
 

@@ -76,7 +76,7 @@ fn an_oblique_cylinder_becomes_one_piece() {
         assert_eq!((facts.components, facts.genus), (1, 0));
         let ratio = facts.volume / right;
         assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
-        let [was, is] = [before.dice.min, check.dice.min];
+        let [was, is] = [&before, &check].map(|one| one.dice.min.expect("a Dice"));
         assert!(is > 0.95 && is > was - 0.03, "{was} {is}");
         // It passes every section as it passes the space between.
         let ripple = check.labels[0].ripple.expect("six sections cut it");
