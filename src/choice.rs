@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use crate::derived::bounds_of;
+use crate::derived::{Faces, bounds_of};
 use crate::error::Result;
 use crate::grid::lattice::Resolution;
 use crate::grid::samples::Lattice;
@@ -63,7 +63,7 @@ impl Suited {
 pub fn choose(sections: &Sections, resolution: Resolution) -> Result<Choice> {
     let variational =
         |reason: String| Ok(Choice { method: Suited::Variational, reasons: vec![reason] });
-    let bounds = bounds_of(sections, None)?;
+    let bounds = bounds_of(sections, None, Faces::Silent)?;
     let all = &sections.sections;
     let mut partial = all.iter().filter(|section| section.is_partial());
     if let Some(first) = partial.next() {

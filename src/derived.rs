@@ -132,13 +132,24 @@ impl Derived {
     }
 }
 
-/// The box in which the surface closes, so far beyond the contours if a margin is given.
+/// What the faces of a box that follows from the sections say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Faces {
+    /// That all is outside: they are kept away from contours.
+    Outside,
+    /// Nothing.
+    Silent,
+}
+
+/// The box in which the surface closes, or which it may leave; so far beyond the contours if a
+/// margin is given.
 ///
 /// # Errors
 /// When there is no contour, or nothing known at all, or for a margin that is no length.
-pub(crate) fn bounds_of(sections: &Sections, margin: Option<f64>) -> Result<Bounds> {
+pub(crate) fn bounds_of(sections: &Sections, margin: Option<f64>, faces: Faces) -> Result<Bounds> {
     sections.require_known()?;
     let space = match margin {
+        None if faces == Faces::Outside => sections.space_of_cells(),
         None => sections.space(),
         Some(margin) if margin > 0.0 && margin < LARGEST_COORDINATE => {
             reach::bounds(&sections.sections).map(|around| around.grown(margin))
@@ -158,7 +169,7 @@ pub(crate) fn bounds_of(sections: &Sections, margin: Option<f64>) -> Result<Boun
 /// When it has no size that can be squared, when a contour leaves it, when a section lies in
 /// one of its faces, where nothing is on its other side, or as [`bounds_of`].
 fn require_within(sections: &Sections, bounds: Bounds) -> Result<Bounds> {
-    bounds_of(sections, None)?;
+    bounds_of(sections, None, Faces::Silent)?;
     let Bounds { min, max } = bounds;
     let is_finite = min.is_finite() && max.is_finite();
     if !is_finite || min.abs().max(max.abs()).max_element() > LARGEST_COORDINATE {
@@ -201,12 +212,20 @@ fn frame(sections: &Sections, options: &Options) -> Result<Frame> {
         Method::Stack(_) => Some(Label::OUTSIDE),
         Method::Skeleton(_) => None,
     };
-    match (options.bounds, options.resolution, border) {
-        (Some(bounds), resolution, _) => Frame::new(require_within(sections, bounds)?, resolution),
-        (None, Resolution::VoxelSize(voxel), Some(Label::OUTSIDE)) => {
-            Frame::fixed(bounds_of(sections, options.margin)?, voxel)
-        }
-        (None, resolution, _) => Frame::new(bounds_of(sections, options.margin)?, resolution),
+    if let Some(bounds) = options.bounds {
+        return Frame::new(require_within(sections, bounds)?, options.resolution);
+    }
+    let is_outside = matches!(
+        options.method,
+        Method::MeanValue(MeanValue { border: Label::OUTSIDE, .. })
+            | Method::Hermite(Hermite { border: Label::OUTSIDE, .. })
+            | Method::Skeleton(_)
+    );
+    let faces = if is_outside { Faces::Outside } else { Faces::Silent };
+    let bounds = bounds_of(sections, options.margin, faces)?;
+    match (options.resolution, border) {
+        (Resolution::VoxelSize(voxel), Some(Label::OUTSIDE)) => Frame::fixed(bounds, voxel),
+        (resolution, _) => Frame::new(bounds, resolution),
     }
 }
 
@@ -217,6 +236,8 @@ struct Ground<'a> {
     /// How large what is drawn is, or the given box, in world units: what lengths are chosen by
     /// that nobody gave.
     span: f64,
+    /// Whether the box was given: it may be evidence then, and stays when ends move.
+    is_given: bool,
     /// Whether what is derived is to be kept for the next change.
     keeps: bool,
     /// What was derived from the sections as they were.
@@ -238,7 +259,8 @@ pub(crate) fn derive(
     // same then, to the last bit, whatever was before.
     let keeps = options.bounds.is_some() || frame.is_fixed;
     let span = options.bounds.map_or_else(|| sections.span(), |given| given.size().max_element());
-    let ground = Ground { sections: &sections.sections, frame, span, keeps, before };
+    let is_given = options.bounds.is_some();
+    let ground = Ground { sections: &sections.sections, frame, span, is_given, keeps, before };
     let mut derived = match &options.method {
         Method::Variational(method) => ground.solve(method, lasting, stages, progress),
         Method::MeanValue(method) => ground.evaluate(method, lasting, stages, progress),
@@ -257,6 +279,14 @@ impl Ground<'_> {
     fn spacing(&self, share: f64) -> f64 {
         // However small that is in the box, there are not to be too many triangles.
         share * self.span.max(self.frame.bounds.size().max_element() / MOST_SPANS)
+    }
+
+    /// The sections that cells lie between.
+    fn bordered<'b>(&self, sections: &'b [Section], border: Label) -> Result<Cow<'b, [Section]>> {
+        match self.is_given {
+            true => Ok(Cow::from(sections)),
+            false => bordered(sections, self.frame.bounds, border),
+        }
     }
 
     /// Solves for the variational field on the grid.
@@ -307,7 +337,7 @@ impl Ground<'_> {
         let living = stages.run("arrangement", |counts| {
             progress.go_on()?;
             progress.begin("arrangement", 0);
-            let all = bordered(sections, *bounds, method.border)?;
+            let all = self.bordered(sections, method.border)?;
             let (living, touched) =
                 living::follow(&mut lasting.cells, &all, (*bounds, method.border), lattice)?;
             count(living.complex(), counts);
@@ -383,7 +413,7 @@ impl Ground<'_> {
         let capping = Capping::new(sections, method.caps, method.border, lattice.voxel)?;
         let sections = capping.sections.as_ref();
         progress.go_on()?;
-        let all = bordered(sections, *bounds, method.border)?;
+        let all = self.bordered(sections, method.border)?;
         let complex = arranged(&all, *bounds, method.border, stages, progress)?;
         let spacing = |share| method.interpolation.spacing.unwrap_or_else(|| self.spacing(share));
         let interpolation =
@@ -494,7 +524,7 @@ impl Ground<'_> {
         progress: &dyn Progress,
     ) -> Result<Derived> {
         let Self { sections, frame: Frame { bounds, lattice, .. }, .. } = self;
-        let all = stopped(sections, *bounds)?;
+        let all = self.bordered(sections, Label::OUTSIDE)?;
         let mut made = stages.run("skeleton", |counts| {
             let mut made = surfaces.follow(&all, *bounds, &method.exactness, progress)?;
             // What stops a stack is nobody's section.

@@ -57,7 +57,7 @@ pub struct MeanValue {
     /// Where the field is evaluated.
     pub device: Device,
     /// How finely unknown regions are triangulated to be completed: the length
-    /// of an edge in world units, a 16th of the box's longest side when none
+    /// of an edge in world units, a 16th of what is drawn when none
     /// is given.
     pub spacing: Option<f64>,
     /// How the surface is made from the samples.

@@ -40,9 +40,10 @@ pub struct Options {
     /// them.
     pub bounds: Option<Bounds>,
     /// How far the box that follows from the sections reaches beyond their contours, in world
-    /// units. Without it: beyond the last section of a stack a spacing, to the sides as far as its
-    /// sections are apart or a twentieth of the diagonal
-    /// ([`Sections::space`](crate::section::Sections::space)).
+    /// units. Without it: beyond the last section of a stack a spacing, to the sides a twentieth of
+    /// the diagonal ([`Sections::space`](crate::section::Sections::space)) or, with a method to
+    /// which they are outside, three quarters of the widest gap between sections
+    /// ([`Sections::space_of_cells`](crate::section::Sections::space_of_cells)).
     pub margin: Option<f64>,
     /// How far the surface is made simpler, last of all. What is kept for the next change is
     /// from before that.

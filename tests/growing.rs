@@ -117,8 +117,10 @@ fn the_mean_value_field_is_evaluated_where_the_box_grew() {
     let (_, first) = add(&mut living, &sections);
     // A crumb beside the ball makes the box larger, and touches no cell that the ball is in.
     let crumb = {
-        let plane = Plane { normal: DVec3::X, offset: 2.5 };
-        let corners = [[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]].map(|[y, z]| DVec3::new(2.5, y, z));
+        // It is no neighbour in a stack, whose gap would be room for the box on all sides.
+        let plane = Plane { normal: DVec3::new(1.0, 0.05, 0.0), offset: 2.5 };
+        let corners = [[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]];
+        let corners = corners.map(|[y, z]| DVec3::new(2.5 - 0.05 * y, y, z));
         let builder = Section::builder("crumb", plane);
         builder.region(Label(1), corners.to_vec()).build(&Rules::default()).expect("a section").0
     };

@@ -66,7 +66,8 @@ fn a_ball_is_a_ball_whatever_the_options() {
                 assert!(facts.closed && facts.outward, "{method:?}");
                 assert_eq!((facts.components, facts.genus), (1, 0), "{method:?}");
                 let ratio = facts.volume / volume;
-                assert!((ratio - 1.0).abs() < 0.06, "{method:?}: {ratio}");
+                // What no section says it swells by, away from the box as it is.
+                assert!((ratio - 1.0).abs() < 0.08, "{method:?}: {ratio}");
             }
         }
     }

@@ -159,7 +159,7 @@ pub struct GridArguments {
     /// The side of a voxel, in world units. Wherever the box is, nodes are at odd multiples of its half, unless the box is given, open or smaller than 64 of them
     #[arg(long, value_name = "H", value_parser = positive)]
     pub voxel_size: Option<f64>,
-    /// How far the box reaches beyond the contours, in world units [default: a spacing beyond the last section of a stack; elsewhere as far as sections are apart, or a twentieth of the contours' diagonal]
+    /// How far the box reaches beyond the contours, in world units [default: a spacing beyond the last section of a stack; to the sides a twentieth of the contours' diagonal, or with mvc, hermite and skeleton three quarters of the widest gap between sections]
     #[arg(long, value_name = "LENGTH", value_parser = positive)]
     pub margin: Option<f64>,
 }

@@ -37,6 +37,7 @@ pub use solids::{LabelSolids, Solid};
 
 use crate::change::Change;
 use crate::context::Context;
+use crate::derived::{Faces, bounds_of};
 use crate::error::{Error, Result};
 use crate::field::Device;
 use crate::grid::lattice::Resolution;
@@ -44,6 +45,7 @@ use crate::label::Label;
 use crate::mesh::{Mesh, delaunay};
 use crate::method::{Caps, MeanValue, Mesher, Method, Variational};
 use crate::model::{self, Derived, Model};
+use crate::plane::Bounds;
 use crate::progress::Progress;
 use crate::section::{Rules, Sections};
 use crate::stage::Stages;
@@ -92,6 +94,15 @@ impl Default for Options {
         let delaunay = Some(delaunay::Options::default());
         let (field, points, seed) = (Kind::default(), 100_000, 0);
         Self { field, resolution, device, border, margin: None, spacing, points, seed, delaunay }
+    }
+}
+
+impl Options {
+    /// The box that both fill.
+    fn bounds(&self, sections: &Sections) -> Result<Bounds> {
+        let is_outside = self.border == Label::OUTSIDE;
+        let faces = if is_outside { Faces::Outside } else { Faces::Silent };
+        bounds_of(sections, self.margin, faces)
     }
 }
 
@@ -156,7 +167,12 @@ pub fn crosscheck(
     stages: &mut Stages,
     progress: &dyn Progress,
 ) -> Result<Findings> {
-    let mut model = Model::new(model_options(options));
+    // One box for both, though the variational field asks nothing of its faces.
+    let bounds = match options.field {
+        Kind::Variational => Some(options.bounds(&sections)?),
+        Kind::MeanValue => None,
+    };
+    let mut model = Model::new(model::Options { bounds, ..model_options(options) });
     let mut context = Context { rules: *rules, progress, stages: std::mem::take(stages) };
     let applied = model.apply(Change::Add(sections), &mut context);
     *stages = context.stages;

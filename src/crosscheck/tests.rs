@@ -45,8 +45,8 @@ fn a_prism_is_joined_by_both() {
     // Between the planes, and the two slabs beyond.
     assert_eq!((found.pairing.cells, found.pairing.differ), (3, 0));
     assert_eq!(found.pairing.differences, []);
-    // The box's walls are as far from the squares as these are apart, so everywhere between and
-    // beyond the nearest section comes first. The box ends as far beyond the sections, so each cap
+    // The box's walls are farther from the squares than half of the gap between them, so everywhere
+    // between and beyond the nearest section comes first. The box ends as far beyond the sections, so each cap
     // is as high as half of the gap.
     let expected = 2.0 * 0.2;
     let voxel = findings.report.voxel;

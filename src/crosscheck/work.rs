@@ -13,7 +13,7 @@ use super::report::{Distances, Found, SkeletonReport};
 use super::solids::{LabelSolids, solids};
 use super::{Kind, Options, derived};
 use crate::complex::Complex;
-use crate::derived::{CLEARANCE, Derived, arranged, bordered, bounds_of};
+use crate::derived::{CLEARANCE, Derived, arranged, bordered};
 use crate::error::{Error, Result};
 use crate::field::{self, Boundaries};
 use crate::grid::evidence::Evidence;
@@ -73,7 +73,7 @@ impl Work<'_> {
     /// Those of the stages.
     pub fn compare(&self, other: Option<&Other>, stages: &mut Stages) -> Result<Compared> {
         let derived = derived(self.model)?;
-        let bounds = bounds_of(self.model.sections(), self.options.margin)?;
+        let bounds = self.options.bounds(self.model.sections())?;
         let sections = bordered(self.sections(), bounds, self.options.border)?;
         let sections = sections.as_ref();
         let built = match derived.complex {

@@ -5,12 +5,15 @@ use glam::DVec3;
 use super::{Section, Sections};
 use crate::plane::{Bounds, Plane};
 
-/// How far the box reaches beyond contours within their planes at least, and where no other
+/// How far the box reaches beyond contours within their planes, and where no other
 /// section is parallel also across, relative to the diagonal of all contours.
 const MARGIN: f64 = 0.05;
-/// As far as the widest gap between neighbours of a stack it reaches, so that its sides are no
-/// nearer to a contour than the next section; but no farther than that, relatively.
-const WIDEST: f64 = 0.5;
+/// Where its sides count as outside it reaches by that part of the widest gap between neighbours
+/// of a stack, but no farther than so much of the diagonal. Beside a contour that is near enough to
+/// the next section half of the gap is as far as the exact method looks; by the mean-value indicator
+/// a tube is 1 % wider in a box without end.
+const GAPS: f64 = 0.75;
+const WIDEST: f64 = 0.375;
 /// The sine of the largest angle between planes that count as parallel.
 const PARALLEL: f64 = 1e-2;
 /// The smallest reach, relative to the diagonal: sections that lie closer are two
@@ -35,12 +38,19 @@ impl Sections {
     }
 
     /// The box in which a solid is looked for: around every contour a twentieth of
-    /// their diagonal along its plane, or the widest gap between neighbours of a stack if that is
-    /// more (up to half of the diagonal), and its section's reach across. So beyond the
+    /// their diagonal along its plane, and its section's reach across. So beyond the
     /// last section of a stack it ends one spacing away. `None` without contours.
     pub fn space(&self) -> Option<Bounds> {
-        let widest = widest_gap(&self.sections) / bounds(&self.sections)?.diagonal();
-        let aside = if widest > MARGIN { widest.min(WIDEST) } else { MARGIN };
+        space(&self.sections, MARGIN, 1.0)
+    }
+
+    /// The same where the sides of the box count as outside: to the sides it reaches by
+    /// three quarters of the widest gap between neighbours of a stack, but no more than three eighths
+    /// of the diagonal, so that one of the two sections is nearer than they are. Sections of which a part is unknown do not count: beside
+    /// them the box alone says what is outside. `None` without contours.
+    pub fn space_of_cells(&self) -> Option<Bounds> {
+        let gap = GAPS * widest_gap(&self.sections) / bounds(&self.sections)?.diagonal();
+        let aside = if gap > MARGIN { gap.min(WIDEST) } else { MARGIN };
         around(&self.sections, aside, &self.reaches())
     }
 
@@ -89,9 +99,12 @@ pub fn reaches_with(sections: &[Section], margin: f64) -> Vec<f64> {
     gaps.map(|gap| if gap.is_finite() { gap } else { margin * all.diagonal() }).collect()
 }
 
-/// The widest gap between two parallel sections that are neighbours; 0 where none are.
+/// The widest gap between two parallel sections that are neighbours and know all of their planes;
+/// 0 where none are.
 fn widest_gap(sections: &[Section]) -> f64 {
-    let all = bounds(sections).map(|all| gaps(sections, all)).unwrap_or_default();
+    let whole: Vec<Section> =
+        sections.iter().filter(|section| !section.is_partial()).cloned().collect();
+    let all = bounds(&whole).map(|all| gaps(&whole, all)).unwrap_or_default();
     all.into_iter().flatten().filter(|gap| gap.is_finite()).fold(0.0, f64::max)
 }
 
@@ -164,27 +177,36 @@ mod tests {
         let space = stack.space().unwrap();
         assert!((space.min.z + 0.25).abs() < 1e-12);
         assert!((space.max.z - 2.25).abs() < 1e-12);
-        // To the sides as far as the widest gap.
-        assert!((space.max.x - 1.0 - 0.75).abs() < 1e-12);
+        // The contours' diagonal is √(2² + 2² + 1.5²).
+        let margin = 0.05 * 10.25f64.sqrt();
+        assert!((space.max.x - 1.0 - margin).abs() < 1e-12);
+        // Or three quarters of the widest gap.
+        let space = stack.space_of_cells().unwrap();
+        assert!((space.max.x - 1.0 - 0.5625).abs() < 1e-12);
+        assert!((space.max.z - 2.25).abs() < 1e-12);
     }
 
     #[test]
-    fn the_sides_of_the_box_are_no_nearer_than_the_next_section() {
-        // Far apart, and turned: what is seen from a contour is another section first.
+    fn the_sides_of_the_box_are_no_nearer_than_a_section() {
+        // Far apart, and turned.
         let tilted = DVec3::new(1.0, 2.0, 2.0) / 3.0;
         for normal in [DVec3::Z, tilted] {
             let stack = discs(&[0.0, 3.0, 6.5, 9.5].map(|at| (normal, at)));
-            let (all, space) = (bounds(&stack.sections).unwrap(), stack.space().unwrap());
+            let (all, space) = (bounds(&stack.sections).unwrap(), stack.space_of_cells().unwrap());
             let room = (all.min - space.min).min(space.max - all.max);
             let upright = (DVec3::ONE - normal * normal).max(DVec3::ZERO).map(f64::sqrt);
             // Across, the reach of the last section.
-            let least = (3.5 * upright).max(3.0 * normal.abs());
+            let least = (2.625 * upright).max(3.0 * normal.abs());
             assert!(room.cmpge(least - 1e-9).all(), "{room} {least}");
         }
-        // One gap is wide: half of the diagonal is enough.
+        // One gap is wide: a part of the diagonal is enough.
         let two = discs(&[(DVec3::Z, 0.0), (DVec3::Z, 40.0)]);
-        let (all, space) = (bounds(&two.sections).unwrap(), two.space().unwrap());
+        let (all, space) = (bounds(&two.sections).unwrap(), two.space_of_cells().unwrap());
         assert!((space.max.x - all.max.x - WIDEST * all.diagonal()).abs() < 1e-9);
+        // What knows nothing beside itself leaves that to the box.
+        let mut partial = two.clone();
+        partial.sections[0].background = Label::UNKNOWN;
+        assert_eq!(partial.space_of_cells(), partial.space());
     }
 
     #[test]
@@ -192,12 +214,13 @@ mod tests {
         let heights = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0];
         let upright = discs(&heights.map(|at| (DVec3::Z, at)));
         let tilted = discs(&heights.map(|at| (DVec3::new(0.36, 0.48, 0.8), at)));
-        assert!((upright.span() - 2.0 * 26f64.sqrt()).abs() < 0.02, "{}", upright.span());
-        assert!((tilted.span() - upright.span()).abs() < 1e-6);
+        // From the middle to the circles at the ends, of which a part counts as far.
+        assert!((upright.span() / 2.0 / 26f64.sqrt() - 1.0).abs() < 0.05, "{}", upright.span());
+        assert!((tilted.span() / upright.span() - 1.0).abs() < 0.02, "{}", tilted.span());
         let mut speck = upright.clone();
         let far = Plane { normal: DVec3::Z, offset: 500.0 };
         speck.sections.push(disc(far, 0.05, 64, Label(2)));
-        assert!((speck.span() / upright.span() - 1.0).abs() < 0.5, "{}", speck.span());
+        assert!((speck.span() / upright.span() - 1.0).abs() < 0.05, "{}", speck.span());
         assert_eq!(Sections::default().span(), 0.0);
     }
 

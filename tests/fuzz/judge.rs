@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use transect::change::Change;
-use transect::check::{self, Check, check};
+use transect::check::{self, Agreement, Check, check};
 use transect::context::Context;
 use transect::error::Error;
 use transect::grid::lattice::Resolution;
@@ -14,10 +14,11 @@ use transect::io::read_sections;
 use transect::label::Label;
 use transect::mesh::Mesh;
 use transect::mesh::delaunay;
-use transect::method::{Fairing, Mesher, Method, Skeleton, Variational};
+use transect::method::{Fairing, Hermite, MeanValue, Mesher, Method, Skeleton, Variational};
 use transect::model::{Derived, Model, Options};
 use transect::oracle::Oracle;
 use transect::progress::Silent;
+use transect::section::ends::stopped;
 use transect::section::{Overlap, Rules, Section, Sections};
 
 use super::random::Random;
@@ -31,6 +32,8 @@ const NEAR: f64 = 1e-9;
 /// Nearer than this are places that two sections have on their common line and that were
 /// made one: the oracle does not know of it.
 const SNAPPED: f64 = 2e-3;
+/// A Dice below this is to be explained.
+const POOR: f64 = 0.9;
 /// Section Dice may fall by so much when a surface is made fair.
 const FAIR_DICE: f64 = 0.02;
 
@@ -42,10 +45,21 @@ pub enum Way {
     /// Fair with edges as long as voxels, of which twenty times as many sets are judged.
     Coarse,
     Delaunay,
+    Variational,
+    MeanValue,
+    Hermite,
 }
 
 impl Way {
-    pub const ALL: [Self; 4] = [Self::Exact, Self::Fair, Self::Coarse, Self::Delaunay];
+    pub const ALL: [Self; 7] = [
+        Self::Exact,
+        Self::Fair,
+        Self::Coarse,
+        Self::Delaunay,
+        Self::Variational,
+        Self::MeanValue,
+        Self::Hermite,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -53,6 +67,9 @@ impl Way {
             Self::Fair => "fair",
             Self::Coarse => "coarse",
             Self::Delaunay => "delaunay",
+            Self::Variational => "variational",
+            Self::MeanValue => "mvc",
+            Self::Hermite => "hermite",
         }
     }
 
@@ -65,14 +82,38 @@ impl Way {
             Self::Exact => Method::Skeleton(Skeleton::default()),
             Self::Fair => fair(None),
             Self::Coarse => {
-                let size = sections.space().map(|bounds| bounds.size().max_element());
+                let size = sections.space_of_cells().map(|bounds| bounds.size().max_element());
                 fair(size.map(|size| size / f64::from(VOXELS)))
             }
             Self::Delaunay => {
                 let mesher = Mesher::Delaunay(delaunay::Options::default());
                 Method::Variational(Variational { mesher, ..Variational::default() })
             }
+            Self::Variational => Method::Variational(Variational::default()),
+            Self::MeanValue => Method::MeanValue(MeanValue::default()),
+            Self::Hermite => Method::Hermite(Hermite::default()),
         }
+    }
+}
+
+/// What is done with a set, or with a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Task {
+    Reconstruct(Way),
+    Read,
+}
+
+impl Task {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reconstruct(way) => way.name(),
+            Self::Read => "read",
+        }
+    }
+
+    /// All there are.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Way::ALL.into_iter().map(Self::Reconstruct).chain([Self::Read])
     }
 }
 
@@ -116,12 +157,13 @@ pub fn judge(file: &Path, way: Way, seed: u64) -> Verdict {
             Err(error) => return refused(&error),
         },
         Way::Delaunay => sound(&made),
+        Way::Variational | Way::MeanValue | Way::Hermite => honest(&made),
     };
     found.map_or_else(Verdict::Bad, |()| Verdict::Good)
 }
 
 /// Words about the input are good, words about the program are not.
-fn refused(error: &Error) -> Verdict {
+pub fn refused(error: &Error) -> Verdict {
     match error {
         Error::Bug { .. } | Error::Library { .. } => Verdict::Bad(error.to_string()),
         _ => Verdict::Refused(error.to_string()),
@@ -167,6 +209,21 @@ fn sound(made: &Made) -> Result<(), String> {
     Ok(())
 }
 
+/// Sound, and where it does not show a section a warning says so.
+fn honest(made: &Made) -> Result<(), String> {
+    sound(made)?;
+    let Agreement { min, sections, .. } = &made.checked.dice;
+    let warnings = made.checked.warnings(&made.model.sections().materials);
+    match min {
+        Some(least) if !(0.0..=1.0).contains(least) => Err(format!("a Dice of {least}")),
+        Some(least) if *least < POOR && warnings.is_empty() => {
+            let section = sections.iter().find(|own| own.dice == Some(*least));
+            Err(format!("a Dice of {least} without a word: {section:?}"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The exact surface against the oracle, which knows no surface.
 fn exact(made: &Made, seed: u64) -> Result<(), String> {
     sound(made)?;
@@ -180,9 +237,12 @@ fn exact(made: &Made, seed: u64) -> Result<(), String> {
     if sections.sections.iter().any(Section::is_partial) {
         return Ok(());
     }
-    let Some(bounds) = sections.space() else { return Err("there is no box".to_owned()) };
-    let oracle = Oracle::new(&sections.sections, bounds, Label::OUTSIDE)
-        .map_err(|error| error.to_string())?;
+    let Some(bounds) = sections.space_of_cells() else {
+        return Err("there is no box".to_owned());
+    };
+    let stopped = stopped(&sections.sections, bounds).map_err(|error| error.to_string())?;
+    let oracle =
+        Oracle::new(&stopped, bounds, Label::OUTSIDE).map_err(|error| error.to_string())?;
     let near = if details.snapped > 0 { SNAPPED } else { NEAR };
     let mut random = Random::new(seed ^ 0xfeed);
     for number in 0..POINTS {

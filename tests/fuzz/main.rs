@@ -1,15 +1,17 @@
-//! `./x fuzz skeleton [MINUTES]`: random degenerate sections through the exact
-//! reconstruction, made fair or not, and through the Delaunay mesher. As a test, a short
-//! and fixed share of it and all that is in the corpus.
+//! `./x fuzz sections [MINUTES]`: random degenerate sections through the exact
+//! reconstruction, made fair or not, through the other methods and the Delaunay mesher.
+//! `./x fuzz readers [MINUTES]`: spoilt files through every reader. As a test, a short
+//! and fixed share of both and all that is in the corpus.
 //!
 //! Each set runs in another process, which may crash, hang or take too much memory without
-//! harm. A set that fails is reduced as long as it fails in the same way and written to
+//! harm. What fails is reduced as long as it fails in the same way and written to
 //! `tests/fuzz/corpus`, whose files are run by every test.
 
 mod generate;
 mod judge;
 #[path = "../common/random.rs"]
 mod random;
+mod readers;
 mod reduce;
 mod set;
 mod worker;
@@ -20,11 +22,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use judge::{Verdict, Way};
+use judge::{Task, Verdict, Way};
 use worker::Worker;
 
 /// Sets that every test runs the exact way, and the others.
 const SHORT: [u64; 2] = [150, 12];
+/// Files that every test reads.
+const FILES: u64 = 2000;
 /// Failures after which a run ends.
 const MOST_FAILURES: usize = 10;
 
@@ -40,22 +44,29 @@ fn main() -> ExitCode {
             println!("{}", generate::set(seed.parse().unwrap_or(0)).to_json());
             ExitCode::SUCCESS
         }
-        ["skeleton", ref rest @ ..] => {
-            let minutes = rest.first().map_or(Some(10.0), |word| word.parse().ok());
-            let first = rest.get(1).map(|word| word.parse());
-            let mut ways = Way::ALL.to_vec();
-            ways.retain(|way| rest.get(2).is_none_or(|&name| way.name() == name));
-            match (minutes, first.transpose()) {
-                (Some(minutes), Ok(first)) if !ways.is_empty() => search(minutes, first, &ways),
-                _ => {
-                    println!("skeleton [MINUTES [SEED [skeleton|fair|coarse|delaunay]]]");
-                    ExitCode::from(2)
-                }
-            }
+        ["sections" | "skeleton", ref rest @ ..] => {
+            let named = |way: &Way| rest.get(2).is_none_or(|&name| way.name() == name);
+            let ways = Way::ALL.into_iter().filter(named).map(Task::Reconstruct).collect();
+            asked(rest, ways, "sections [MINUTES [SEED [METHOD]]]")
         }
+        ["readers", ref rest @ ..] => asked(rest, vec![Task::Read], "readers [MINUTES [SEED]]"),
         // What cargo's test runner is asked for is meant for tests with names.
         _ if words.iter().any(|word| word.starts_with("--list")) => ExitCode::SUCCESS,
         _ => test(),
+    }
+}
+
+/// A search, if what is asked for is right.
+fn asked(rest: &[&str], tasks: Vec<Task>, usage: &str) -> ExitCode {
+    let minutes = rest.first().map_or(Some(10.0), |word| word.parse().ok());
+    let first = rest.get(1).map(|word| word.parse()).transpose();
+    match (minutes, first) {
+        (Some(minutes), Ok(first)) if !tasks.is_empty() => search(minutes, first, &tasks),
+        _ => {
+            let ways: Vec<&str> = Way::ALL.into_iter().map(Way::name).collect();
+            println!("{usage}; methods: {}", ways.join(", "));
+            ExitCode::from(2)
+        }
     }
 }
 
@@ -65,14 +76,17 @@ fn test() -> ExitCode {
     let kept = jobs.len();
     for way in Way::ALL {
         let sets = if way == Way::Exact { SHORT[0] } else { SHORT[1] };
-        jobs.extend((0..sets).map(|seed| Job { source: Source::Seed(seed), way }));
+        let task = Task::Reconstruct(way);
+        jobs.extend((0..sets).map(|seed| Job { source: Source::Seed(seed), task }));
     }
-    println!("{kept} kept cases and {} random sets", jobs.len() - kept);
+    let sets = jobs.len() - kept;
+    jobs.extend((0..FILES).map(|seed| Job { source: Source::Seed(seed), task: Task::Read }));
+    println!("{kept} kept cases, {sets} random sets and {FILES} spoilt files");
     report(&run(jobs.into_iter(), None), false)
 }
 
 /// New sets for so many minutes.
-fn search(minutes: f64, first: Option<u64>, ways: &[Way]) -> ExitCode {
+fn search(minutes: f64, first: Option<u64>, tasks: &[Task]) -> ExitCode {
     let start = first.unwrap_or_else(|| {
         let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
         now.map_or(0, |since| since.as_secs() << 20)
@@ -80,7 +94,7 @@ fn search(minutes: f64, first: Option<u64>, ways: &[Way]) -> ExitCode {
     println!("seeds from {start} on, for {minutes} minutes");
     let until = Instant::now() + Duration::from_secs_f64(60.0 * minutes);
     let jobs = (start..)
-        .flat_map(|seed| ways.iter().map(move |&way| Job { source: Source::Seed(seed), way }));
+        .flat_map(|seed| tasks.iter().map(move |&task| Job { source: Source::Seed(seed), task }));
     report(&run(jobs, Some(until)), true)
 }
 
@@ -91,14 +105,14 @@ enum Source {
     File(PathBuf),
 }
 
-/// A set and what to do with it.
+/// A set or a file, and what to do with it.
 #[derive(Debug, Clone, PartialEq)]
 struct Job {
     source: Source,
-    way: Way,
+    task: Task,
 }
 
-/// The files of the corpus, each by the way that it begins with.
+/// The files of the corpus, each by the task that it begins with.
 fn corpus() -> Vec<Job> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus");
     let Ok(entries) = std::fs::read_dir(&folder) else { return Vec::new() };
@@ -106,8 +120,8 @@ fn corpus() -> Vec<Job> {
     files.sort();
     let job = |file: PathBuf| {
         let name = file.file_name()?.to_str()?.to_owned();
-        let way = Way::ALL.into_iter().find(|way| name.starts_with(way.name()))?;
-        Some(Job { source: Source::File(file), way })
+        let task = Task::all().find(|task| name.starts_with(task.name()))?;
+        Some(Job { source: Source::File(file), task })
     };
     files.into_iter().filter_map(job).collect()
 }
@@ -152,7 +166,7 @@ fn run(jobs: impl Iterator<Item = Job> + Send, until: Option<Instant>) -> Outcom
                         Verdict::Good => {}
                         Verdict::Refused(_) => outcome.refused += 1,
                         Verdict::Bad(what) => {
-                            println!("failed: {:?} {}: {what}", job.source, job.way.name());
+                            println!("failed: {:?} {}: {what}", job.source, job.task.name());
                             outcome.failures.push((job, what));
                         }
                     }

@@ -1,43 +1,48 @@
-//! Makes a failing set small.
+//! Makes a failing set, or a failing file, small.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::generate;
-use super::judge::Verdict;
+use super::judge::{Task, Verdict};
 use super::set::Set;
 use super::worker::Worker;
-use super::{Job, Source};
+use super::{Job, Source, generate, readers};
 
 /// Longer than this no set is reduced.
 const LONGEST: Duration = Duration::from_secs(100);
 
-/// Reduces a set that failed and puts it into the corpus.
+/// Reduces what failed and puts it into the corpus.
 pub fn keep(job: &Job, what: &str) {
     let Source::Seed(seed) = job.source else { return };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus");
-    let file = folder.join(format!("{}_{seed}.json", job.way.name()));
+    let read = readers::file(seed);
+    let kind = if job.task == Task::Read { &read.kind } else { "json" };
+    let file = folder.join(format!("{}_{seed}.{kind}", job.task.name()));
     let mut reducer = Reducer {
         worker: Worker::default(),
-        job: Job { source: Source::File(file.clone()), way: job.way },
+        job: Job { source: Source::File(file.clone()), task: job.task },
         file: file.clone(),
-        kind: kind(what),
+        kind: alike(what),
     };
-    let set = generate::set(seed);
     let written = std::fs::create_dir_all(&folder);
     if let Err(error) = written {
         println!("{}: {error}", folder.display());
         return;
     }
-    let small = if reducer.fails(&set) { reducer.reduced(set) } else { set };
-    match std::fs::write(&file, small.to_json()) {
+    let small = match job.task {
+        Task::Reconstruct(_) => {
+            reducer.reduced(generate::set(seed), |set| set.to_json().into_bytes(), smaller)
+        }
+        Task::Read => reducer.reduced(read, |file| file.bytes.clone(), readers::smaller),
+    };
+    match std::fs::write(&file, small) {
         Ok(()) => println!("kept {} ({what})", file.display()),
         Err(error) => println!("{}: {error}", file.display()),
     }
 }
 
 /// What failures of one kind have in common: their words without numbers.
-fn kind(what: &str) -> String {
+fn alike(what: &str) -> String {
     what.chars().filter(|letter| letter.is_alphabetic() || *letter == ' ').take(40).collect()
 }
 
@@ -49,26 +54,32 @@ struct Reducer {
 }
 
 impl Reducer {
-    /// Whether a set fails as the first one did.
-    fn fails(&mut self, set: &Set) -> bool {
-        if std::fs::write(&self.file, set.to_json()).is_err() {
+    /// Whether a file fails as the first one did.
+    fn fails(&mut self, bytes: &[u8]) -> bool {
+        if std::fs::write(&self.file, bytes).is_err() {
             return false;
         }
-        matches!(self.worker.ask(&self.job).verdict, Verdict::Bad(what) if kind(&what) == self.kind)
+        let verdict = self.worker.ask(&self.job).verdict;
+        matches!(verdict, Verdict::Bad(what) if alike(&what) == self.kind)
     }
 
-    /// Leaves out what can be left out: sections, contours, vertices. As long as there is
-    /// time.
-    fn reduced(&mut self, mut set: Set) -> Set {
+    /// Leaves out what can be left out, as long as there is time; the file that is left.
+    fn reduced<T>(
+        &mut self,
+        mut whole: T,
+        bytes: impl Fn(&T) -> Vec<u8>,
+        smaller: impl Fn(&T) -> Vec<T>,
+    ) -> Vec<u8> {
         let until = Instant::now() + LONGEST;
-        loop {
-            let mut smaller = smaller(&set).into_iter().take_while(|_| Instant::now() < until);
-            let smaller = smaller.find(|smaller| self.fails(smaller));
-            match smaller {
-                Some(smaller) => set = smaller,
-                None => return set,
+        let again = self.fails(&bytes(&whole));
+        while again {
+            let mut parts = smaller(&whole).into_iter().take_while(|_| Instant::now() < until);
+            match parts.find(|part| self.fails(&bytes(part))) {
+                Some(part) => whole = part,
+                None => break,
             }
         }
+        bytes(&whole)
     }
 }
 

@@ -1,14 +1,14 @@
 //! Another process that reconstructs one set after another.
 
 use std::io::{BufRead, BufReader, Write};
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use super::generate;
-use super::judge::{Verdict, Way, judge};
-use super::{Job, Source};
+use super::judge::{Task, Verdict, judge};
+use super::{Job, Source, readers};
 
 /// A set that takes longer has failed.
 const LONGEST: Duration = Duration::from_secs(60);
@@ -101,7 +101,7 @@ impl Worker {
             Source::Seed(seed) => format!("seed {seed}"),
             Source::File(file) => format!("file {}", file.display()),
         };
-        if writeln!(running.stdin, "{} {source}", job.way.name()).is_err() {
+        if writeln!(running.stdin, "{} {source}", job.task.name()).is_err() {
             return (Verdict::Bad("the process is gone".to_owned()), 0);
         }
         match running.lines.recv_timeout(LONGEST) {
@@ -132,9 +132,13 @@ fn parse(line: &str) -> (Verdict, u64) {
 
 /// What the process does: a line in, a line out.
 pub fn serve() {
-    let file = std::env::temp_dir().join(format!("transect-fuzz-{}.json", std::process::id()));
+    // In a folder, for the name of a file says what it is.
+    let folder = std::env::temp_dir().join(format!("transect-fuzz-{}", std::process::id()));
+    if std::fs::create_dir_all(&folder).is_err() {
+        return;
+    }
     for line in std::io::stdin().lines().map_while(Result::ok) {
-        let verdict = answer(&line, &file);
+        let verdict = answer(&line, &folder);
         let (kind, words) = match verdict {
             Verdict::Good => ("good", String::new()),
             Verdict::Refused(words) => ("refused", words),
@@ -143,24 +147,37 @@ pub fn serve() {
         let memory = peak_memory();
         println!("{memory}\t{kind}\t{}", words.replace(['\n', '\t'], " "));
     }
-    let _ = std::fs::remove_file(file);
+    let _ = std::fs::remove_dir_all(folder);
 }
 
-fn answer(line: &str, file: &PathBuf) -> Verdict {
+fn answer(line: &str, folder: &Path) -> Verdict {
     let mut words = line.splitn(3, ' ');
-    let (way, kind, rest) = (words.next(), words.next(), words.next());
-    let way = Way::ALL.into_iter().find(|own| Some(own.name()) == way);
-    let (Some(way), Some(kind), Some(rest)) = (way, kind, rest) else {
+    let (task, kind, rest) = (words.next(), words.next(), words.next());
+    let task = Task::all().find(|own| Some(own.name()) == task);
+    let (Some(task), Some(kind), Some(rest)) = (task, kind, rest) else {
         return Verdict::Bad(format!("not understood: {line}"));
     };
+    let judge = |file: &Path, seed: u64| match task {
+        Task::Reconstruct(way) => judge(file, way, seed),
+        Task::Read => readers::judge(file),
+    };
     if kind == "file" {
-        return judge(&PathBuf::from(rest), way, 0);
+        return judge(Path::new(rest), 0);
     }
     let seed = rest.parse().unwrap_or(0);
-    if let Err(error) = std::fs::write(file, generate::set(seed).to_json()) {
+    let (file, bytes) = match task {
+        Task::Reconstruct(_) => {
+            (folder.join("set.json"), generate::set(seed).to_json().into_bytes())
+        }
+        Task::Read => {
+            let made = readers::file(seed);
+            (folder.join(format!("file.{}", made.kind)), made.bytes)
+        }
+    };
+    if let Err(error) = std::fs::write(&file, bytes) {
         return Verdict::Bad(error.to_string());
     }
-    judge(file, way, seed)
+    judge(&file, seed)
 }
 
 /// The largest resident size of this process so far, in bytes; 0 where it is not told.

@@ -59,8 +59,8 @@ const FINEST: f64 = 1.0 / 512.0;
 /// What is not in the paper, or not said there.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Options {
-    /// How finely facets are triangulated: the length of an edge in world units, a 32nd of the
-    /// box's longest side when none is given.
+    /// How finely facets are triangulated: the length of an edge in world units, a 32nd of
+    /// the box's longest side when none is given, in a [`Model`](crate::Model) of what is drawn.
     pub spacing: Option<f64>,
     /// What gradients are away from contours.
     pub gradients: Gradients,
