@@ -53,9 +53,10 @@ fn a_prism_is_joined_by_both() {
     let label = &found.agreement.labels[1];
     assert_eq!(label.label, 1);
     let volume = label.skeleton as f64 * voxel.powi(3);
-    assert!((volume / expected - 1.0).abs() < 0.03, "{volume} {expected}");
+    // By counting nodes, of which there is one more than voxels are long.
+    assert!((volume / expected - 1.0).abs() < 0.04, "{volume} {expected}");
     let solid = &found.labels[0].skeleton;
-    assert!(solid.closed && (solid.volume / expected - 1.0).abs() < 0.03, "{solid:?}");
+    assert!(solid.closed && (solid.volume / expected - 1.0).abs() < 1e-9, "{solid:?}");
     assert_eq!((found.labels[0].dual.components, found.labels[0].dual.genus), (1, Some(0)));
 }
 

@@ -71,15 +71,16 @@ impl Reducer {
         smaller: impl Fn(&T) -> Vec<T>,
     ) -> Vec<u8> {
         let until = Instant::now() + LONGEST;
-        let again = self.fails(&bytes(&whole));
-        while again {
+        if !self.fails(&bytes(&whole)) {
+            return bytes(&whole);
+        }
+        loop {
             let mut parts = smaller(&whole).into_iter().take_while(|_| Instant::now() < until);
             match parts.find(|part| self.fails(&bytes(part))) {
                 Some(part) => whole = part,
-                None => break,
+                None => return bytes(&whole),
             }
         }
-        bytes(&whole)
     }
 }
 

@@ -278,6 +278,6 @@ fn the_typical_spacing_is_that_of_a_stack() {
     let rough = Made::new(&cylinder(), 48, 0.0, Label::OUTSIDE);
     let spacing = typical_spacing(&rough.mesh, &cylinder());
     // Half a unit, and more for the ends beyond the last discs.
-    assert!((spacing / 0.5 - 1.0).abs() < 0.25, "{spacing}");
+    assert!((spacing / 0.5 - 1.0).abs() < 0.35, "{spacing}");
     assert_eq!(typical_spacing(&Mesh::default(), &cylinder()), 0.0);
 }
