@@ -59,8 +59,8 @@ pub fn ends(sections: &[Section]) -> Vec<End> {
     ends
 }
 
-/// The sections, and an empty one as far beyond every end as a solid may reach, where a box goes
-/// on there: a stack that leans in its box then ends as it does upright, not in the box's corners.
+/// The sections, and an empty one as far beyond every end of a stack as a solid may reach, where a
+/// box goes on there: a stack that leans in its box then ends as it does upright, not in the box's corners.
 ///
 /// # Errors
 /// As [`SectionBuilder::build`](super::SectionBuilder::build).
@@ -72,9 +72,11 @@ pub fn stopped(sections: &[Section], bounds: Bounds) -> Result<Cow<'_, [Section]
         // What rounding leaves of an upright box is no room for another cell.
         let slack = ROOM * end.reach;
         let middle = own.bounds().map_or(DVec3::ZERO, |own| own.middle());
-        let is_said = reach::heights(middle, &end.plane, sections)
-            .any(|height| height > slack && height < end.reach + slack);
-        if plane.largest_distance(bounds) > slack && !is_said {
+        let heights: Vec<f64> = reach::heights(middle, &end.plane, sections).collect();
+        // Sections that cross say themselves where they end, and every plane more costs.
+        let is_stack = heights.iter().any(|height| (height.abs() - end.reach).abs() < slack);
+        let is_said = heights.iter().any(|&height| height > slack && height < end.reach + slack);
+        if is_stack && !is_said && plane.largest_distance(bounds) > slack {
             let name = format!("beyond {}", own.name());
             all.to_mut().push(Section::builder(name, plane).build(&Rules::default())?.0);
         }

@@ -54,7 +54,7 @@ pub fn file(seed: u64) -> File {
     if is_packed && outside {
         file.bytes = packed(&file.bytes);
     }
-    for _ in 0..=random.below(6) {
+    for _ in 0..=random.below(4) {
         spoil(&mut file.bytes, &mut random);
     }
     if is_packed && !outside {
