@@ -105,7 +105,7 @@ pub fn slice(mesh: &Mesh, planes: &[Plane]) -> Result<Vec<Section>> {
 /// overlap.
 ///
 /// # Errors
-/// As [`slice`].
+/// As [`slice()`].
 pub fn slice_with_warnings(mesh: &Mesh, planes: &[Plane]) -> Result<(Vec<Section>, Vec<Warning>)> {
     check(mesh)?;
     let diagonal = mesh.bounds().map_or(0.0, |bounds| bounds.diagonal());

@@ -39,7 +39,7 @@ pub fn estimate_memory(lattice: &Lattice, sections: &[Section], materials: usize
 /// Refuses a grid that would not fit.
 ///
 /// # Errors
-/// [`Error::Memory`] says how much it would take.
+/// [`Error::Memory`](crate::error::Error::Memory) says how much it would take.
 pub fn require_memory(lattice: &Lattice, sections: &[Section], materials: usize) -> Result<()> {
     let [x, y, z] = lattice.dims;
     let needed = estimate_memory(lattice, sections, materials);
