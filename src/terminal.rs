@@ -10,6 +10,8 @@ const MESSAGE: usize = 1200;
 /// What is left of a word, and of a number's digits.
 const LEFT: usize = 60;
 const DIGITS: usize = 24;
+/// No more characters of what a library says are quoted.
+const QUOTED: usize = 200;
 
 /// Whether a character does something else than being shown.
 fn is_control(character: char) -> bool {
@@ -46,6 +48,15 @@ pub fn shortened(text: &str) -> String {
     let begin: String = line.chars().take(first).collect();
     let end: String = line.chars().skip(count - last).collect();
     format!("{begin} … {end}")
+}
+
+/// What a library says about a file, for a message of ours: it may quote whole tables.
+pub fn quoted(words: impl fmt::Display) -> String {
+    let words = shortened(&words.to_string());
+    match words.char_indices().nth(QUOTED) {
+        Some((end, _)) => format!("{}…", &words[..end]),
+        None => words,
+    }
 }
 
 fn short_word(word: &str) -> String {
@@ -128,6 +139,8 @@ mod tests {
         assert_eq!(shortened(&number), format!("[1{}…, -1]", "0".repeat(23)));
         let garbage = format!("{:?}\n is no number", "x".repeat(5000));
         assert_eq!(shortened(&garbage), format!("\"{}… is no number", "x".repeat(59)));
+        assert_eq!(quoted(format_args!("{}", "ab ".repeat(100))).chars().count(), QUOTED + 1);
+        assert_eq!(quoted("bad checksum"), "bad checksum");
         let long = format!("a name {}: rename it", "of words ".repeat(1000));
         let short = shortened(&long);
         assert!(short.chars().count() < 1300 && short.ends_with(": rename it"), "{short}");

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::terminal::quoted;
 
 /// No picture has more pixels than this: 8192².
 pub const MOST_PIXELS: usize = 1 << 26;
@@ -64,7 +65,7 @@ pub fn pixels(file: &Path, size: [usize; 2]) -> Result<usize> {
 
 /// What a file is that cannot be decoded, with the decoder's words.
 pub fn damaged(file: &Path, kind: &str, error: impl std::fmt::Display) -> Error {
-    Error::file(file, format!("it is no {kind}, or damaged ({error}): export it again"))
+    Error::file(file, format!("it is no {kind}, or damaged ({}): export it again", quoted(error)))
 }
 
 /// A picture in colour, or with transparency, has no labels.

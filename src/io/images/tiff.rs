@@ -11,6 +11,7 @@ use super::page::{MOST_PIXELS, Page, Resolution, coloured, damaged, pixels, unpa
 use crate::error::{Error, Result};
 use crate::io::read_bytes;
 use crate::io::volume::label;
+use crate::terminal::quoted;
 
 type File<'a> = Decoder<Cursor<&'a [u8]>>;
 
@@ -155,8 +156,9 @@ fn broken(file: &Path, error: &TiffError) -> Error {
         TiffError::UnsupportedError(what) => Error::file(
             file,
             format!(
-                "TIFF of this kind is not read ({what}): save it in grey, uncompressed, as LZW or \
-                     as Deflate"
+                "TIFF of this kind is not read ({}): save it in grey, uncompressed, as LZW or as \
+                 Deflate",
+                quoted(what)
             ),
         ),
         TiffError::LimitsExceeded => {
