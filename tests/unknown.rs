@@ -120,7 +120,10 @@ fn one_more_frame_of_a_sweep_costs_less_than_all() {
     let (last, others) = all.sections.split_last().expect("frames");
     let part = |sections: &[Section]| Sections { sections: sections.to_vec(), ..all.clone() };
     let mvc = Method::MeanValue(MeanValue { smooth: 0.0, ..MeanValue::default() });
-    for (method, what) in [(mvc, "evaluations"), (Method::default(), "unknowns")] {
+    // Of the variational field everything costs little more than what is near to the last frame.
+    for (method, what, part_of_all) in
+        [(mvc, "evaluations", 0.75), (Method::default(), "unknowns", 0.85)]
+    {
         let resolution = Resolution::Voxels(128);
         let mut model =
             Model::new(Options { method, resolution, bounds: all.space(), ..Options::default() });
@@ -135,7 +138,8 @@ fn one_more_frame_of_a_sweep_costs_less_than_all() {
         let mut once = Model::new(*model.options());
         once.apply(Change::Add(all.clone()), &mut context).expect("it reconstructs");
         let of_all = context.stages.count_of(what);
-        assert!(4 * of_last < 3 * of_all, "{of_last} {what} of {of_all}");
+        let ratio = of_last as f64 / of_all as f64;
+        assert!(ratio < part_of_all, "{of_last} {what} of {of_all}");
         // And it is the same surface.
         let volume = |model: &Model| -> f64 {
             let mesh = &model.derived().expect("a surface").mesh;

@@ -196,6 +196,46 @@ fn two_materials_that_touch_leave_no_gap() {
     assert!(check.dice.min > Some(0.98), "{:?}", check.dice.min);
 }
 
+/// A grid of 6 × 6 posts in five sections of which none touches another: as 36 labels and as one.
+#[test]
+fn a_label_costs_what_is_near_to_it() {
+    let posts = |label: &dyn Fn(u32) -> Label| -> Sections {
+        let section = |z: u32| {
+            let plane = Plane { normal: DVec3::Z, offset: 0.5 * f64::from(z) };
+            let post = |number: u32| {
+                let middle = DVec2::new(f64::from(number / 6), f64::from(number % 6));
+                let point = |at: i32| {
+                    let at = middle + 0.3 * DVec2::from_angle(TAU * f64::from(at) / 40.0);
+                    at.extend(plane.offset)
+                };
+                Loop { points: (0..40).map(point).collect(), label: label(number), hole_of: None }
+            };
+            let loops: Vec<Loop> = (0..36).map(post).collect();
+            let name = z.to_string();
+            Section::from_loops(&name, plane, &loops, 1.0, &Rules::default()).expect("posts").0
+        };
+        Sections::new((0..5).map(section).collect(), &Rules::default()).expect("sections")
+    };
+    let made = |sections: Sections| {
+        let mut model =
+            Model::new(Options { resolution: Resolution::Voxels(96), ..Options::default() });
+        let mut context = Context::default();
+        model.apply(Change::Add(sections), &mut context).expect("it reconstructs");
+        let facts = checked(&model).labels.iter().map(|label| label.facts.clone()).collect();
+        (context.stages.count_of("unknowns"), facts)
+    };
+    let (of_one, one): (u64, Vec<Facts>) = made(posts(&|_| Label(1)));
+    let (of_many, many) = made(posts(&|number| Label(number + 1)));
+    assert_eq!((one.len(), one[0].components), (1, 36));
+    assert_eq!(many.len(), 36);
+    assert!(many.iter().all(|post| post.components == 1));
+    let volume: f64 = many.iter().map(|post| post.volume).sum();
+    assert!((volume / one[0].volume - 1.0).abs() < 0.01, "{volume} {}", one[0].volume);
+    // Their surface is solved for once more, for what is outside; the rest is what the coarsest
+    // level takes.
+    assert!(of_many < 7 * of_one, "{of_many} unknowns, {of_one} as one label");
+}
+
 #[test]
 fn threads_change_nothing() {
     let planes: Vec<_> =

@@ -14,7 +14,7 @@ use crate::section::Section;
 
 use super::contour::{corners, pierced_voxels, segments};
 use super::invariant::{differs_near_face, faces, neighbor, node_offset};
-use super::leaf::{Leaf, LeafOf, LeafValues, NewLeaf};
+use super::leaf::{Leaf, LeafNodes, LeafOf, LeafValues, NewLeaf};
 use super::locate::{Cells, NO_CELL, leaf_cells, node_cell, place};
 use super::samples::{LEAF_NODES, LEAF_SIDE, Lattice, Samples};
 
@@ -24,11 +24,19 @@ mod kept;
 use batch::Batch;
 pub use kept::{Before, Kept};
 
-/// Leaves evaluated at a time: a million points, some 50 MB with what
-/// belongs to them.
-const BATCH_LEAVES: usize = 2048;
+/// Values that leaves evaluated at a time have at most, 32 MB, and as many as they count for at
+/// least: a million points, some 50 MB with what belongs to them.
+const BATCH_VALUES: usize = 1 << 23;
+/// See [`BATCH_VALUES`].
+const VALUES_OF_POINT: usize = 8;
 /// Single points evaluated at a time.
-const BATCH_POINTS: usize = 1 << 20;
+const BATCH_POINTS: usize = 1 << 17;
+/// Of more labels than this in a leaf only those are kept that may win near it: with
+/// [`PART_OF_BEST`] of the largest share at some node. The others' values take up memory, and
+/// make no difference to where the surface passes between two nodes.
+const MANY_LABELS: usize = 4;
+/// See [`MANY_LABELS`].
+const PART_OF_BEST: f32 = 0.05;
 /// The node of a leaf that stands for it on the coarse lattice, along every
 /// axis.
 const COARSE: i32 = SIDE / 2;
@@ -168,7 +176,10 @@ impl Sampler<'_> {
         let mut wave = self.take(starts, &mut state.taken);
         while !wave.is_empty() {
             let mut next = Vec::new();
-            for leaves in wave.chunks(BATCH_LEAVES) {
+            let mut waiting = &wave[..];
+            while !waiting.is_empty() {
+                let leaves;
+                [leaves, waiting] = self.batch(waiting, &coarse);
                 self.progress.go_on()?;
                 next.extend(self.evaluate(leaves, &mut state)?);
                 self.progress.advance(leaves.len() as u64);
@@ -178,6 +189,25 @@ impl Sampler<'_> {
         let State { samples, mut cells, points, .. } = state;
         let cells = samples.valued.iter().map(|at| cells.remove(at).unwrap_or_default()).collect();
         Ok(Sampling { kept: Kept { samples, coarse, cells }, points })
+    }
+
+    /// The first of some leaves that are evaluated at a time, and the others; `coarse` are the
+    /// cells of all leaves' middles, which have about as many labels as the leaves.
+    fn batch<'l>(&self, leaves: &'l [[i32; 3]], coarse: &[u32]) -> [&'l [[i32; 3]]; 2] {
+        let values = |at: &[i32; 3]| {
+            let labels = match coarse[self.lattice.leaf_index(*at)] {
+                NO_CELL => 0,
+                cell => self.field.labels(cell).len(),
+            };
+            LEAF_NODES * labels.max(VALUES_OF_POINT)
+        };
+        let mut sum = 0;
+        let fits = leaves.iter().take_while(|at| {
+            sum += values(at);
+            sum <= BATCH_VALUES
+        });
+        let (own, others) = leaves.split_at(fits.count().clamp(1, leaves.len()));
+        [own, others]
     }
 
     /// Sorts leaves, drops those taken already, and takes the others.
@@ -295,17 +325,36 @@ impl Sampler<'_> {
 /// The leaf made of the batch's `index`-th 512 nodes.
 fn collect_leaf(batch: &Batch, index: usize, at: [i32; 3]) -> NewLeaf {
     let nodes = index * LEAF_NODES..(index + 1) * LEAF_NODES;
-    let absent = |label| LeafValues { label, values: Box::new([-1.0; LEAF_NODES]) };
-    let mut materials: Vec<_> = batch.labels(nodes.clone()).into_iter().map(absent).collect();
-    for (node, id) in nodes.enumerate() {
-        for own in &mut materials {
-            own.values[node] = batch.value(id, own.label);
-        }
+    let mut labels = batch.labels(nodes.clone());
+    let are_many = batch.are_indicators() && labels.len() > MANY_LABELS;
+    if are_many && !labels.contains(&Label::OUTSIDE) {
+        labels.insert(0, Label::OUTSIDE);
     }
-    if batch.are_indicators() {
+    let absent = |label| LeafValues { label, values: Box::new([-1.0; LEAF_NODES]) };
+    let mut materials: Vec<_> = labels.into_iter().map(absent).collect();
+    for (node, id) in nodes.enumerate() {
+        batch.values_at(id, &mut materials, node);
+    }
+    if are_many {
+        keep_near_ones(&mut materials);
+    } else if batch.are_indicators() {
         materials.retain(|own| own.values.iter().any(|&value| value > -1.0));
     }
     LeafOf { at, materials }
+}
+
+/// Of many labels those that have some part of the best one's share somewhere, and *outside*,
+/// which then is not what the others leave.
+fn keep_near_ones(materials: &mut Vec<LeafValues<Box<LeafNodes>>>) {
+    let mut limits = [0.0f32; LEAF_NODES];
+    for own in &*materials {
+        let all = limits.iter_mut().zip(own.values.iter());
+        all.for_each(|(limit, value)| *limit = limit.max(PART_OF_BEST * (value + 1.0)));
+    }
+    materials.retain(|own| {
+        let mut values = own.values.iter().zip(&limits);
+        own.label == Label::OUTSIDE || values.any(|(value, limit)| value + 1.0 > *limit)
+    });
 }
 
 #[cfg(test)]

@@ -125,17 +125,21 @@ impl<'a> Anchor<'a> {
     fn merged(&self, voxel: f64) -> Coarse<'_> {
         let mut merged: HashMap<[i64; 3], u32> = HashMap::new();
         let mut middles: Vec<(DVec3, f64)> = Vec::new();
-        let own: Vec<u32> = (self.vertices.iter())
-            .map(|&vertex| {
-                let cell = (vertex / voxel).floor().to_array().map(|along| along as i64);
-                let own = *merged.entry(cell).or_insert(middles.len() as u32);
-                match middles.get_mut(own as usize) {
-                    Some((sum, count)) => (*sum, *count) = (*sum + vertex, *count + 1.0),
-                    None => middles.push((vertex, 1.0)),
-                }
-                own
-            })
-            .collect();
+        const NONE: u32 = u32::MAX;
+        let mut own = vec![NONE; self.vertices.len()];
+        for &at in self.solid.as_flattened() {
+            if own[at as usize] != NONE {
+                continue;
+            }
+            let vertex = self.vertices[at as usize];
+            let cell = (vertex / voxel).floor().to_array().map(|along| along as i64);
+            let merged = *merged.entry(cell).or_insert(middles.len() as u32);
+            match middles.get_mut(merged as usize) {
+                Some((sum, count)) => (*sum, *count) = (*sum + vertex, *count + 1.0),
+                None => middles.push((vertex, 1.0)),
+            }
+            own[at as usize] = merged;
+        }
         let coarse = |triangles: &[[u32; 3]]| {
             let moved = triangles.iter().map(|triangle| triangle.map(|at| own[at as usize]));
             moved.filter(|[a, b, c]| a != b && b != c && c != a).collect()

@@ -38,9 +38,13 @@ const MARGIN: f64 = 0.5;
 const CONTOUR_SPACING: f64 = 0.5;
 /// Unknowns reach so many nodes beyond changes of sign and contours.
 const BAND: i32 = 2;
+/// The same beyond changes of sign on the coarse levels but the first, where it is still decided
+/// how parts hang together. Surfaces are those that solving for all nodes gives, but for a few
+/// hundredths of a voxel, and a small label among many costs what is near to it.
+const WIDE_BAND: i32 = 8;
 /// Times that the samples on the wrong side are looked for.
 const PASSES: u32 = 3;
-/// Where all of the box is solved for.
+/// On the coarse levels.
 const WHOLE: Limits = Limits { iterations: 200, tolerance: 1e-3, of: 0.0 };
 /// In the band of the coarsest level that has one. What is solved there is all that
 /// finer levels know of the shape between sections, whatever their voxels.
@@ -136,11 +140,8 @@ impl LabelField {
             kept: Vec::new(),
             first: 0.0,
         };
-        let mut band = Vec::new();
-        for whole in 0..scene.space.whole {
-            band = solver.add_whole_level(whole)?;
-        }
-        for number in scene.space.whole..scene.space.lattices.len() {
+        let mut band = solver.add_first_level()?;
+        for number in 1..scene.space.lattices.len() {
             band = solver.add_narrow_level(number)?;
         }
         let Solver { levels, effort, kept, .. } = solver;
@@ -194,14 +195,14 @@ impl NodeField for LabelField {
 }
 
 impl<'a> Solver<'a> {
-    /// The next coarse level, on all of the box.
-    fn add_whole_level(&mut self, number: usize) -> Result<Vec<[i32; 3]>> {
-        let level = Level::new(self.scene.space.lattices[number], self.scene.is_open);
+    /// The coarsest level, on all of the box.
+    fn add_first_level(&mut self) -> Result<Vec<[i32; 3]>> {
+        let level = Level::new(self.scene.space.lattices[0], self.scene.is_open);
         let all: Vec<[i32; 3]> = level.grid.all_places().collect();
         self.push(level)?;
         self.ensure(all.iter().copied());
-        if self.is_solved(number) {
-            self.solve_whole(number)?;
+        if self.is_solved(0) {
+            self.solve_first(all.clone())?;
         }
         Ok(all)
     }
@@ -232,23 +233,20 @@ impl<'a> Solver<'a> {
         original.is_none_or(|original| original.is_solved(voxel))
     }
 
-    fn solve_whole(&mut self, number: usize) -> Result<()> {
-        let all: Vec<[i32; 3]> = self.levels[number].grid.all_places().collect();
-        let samples = &self.scene.samples[number];
-        let is_soft = self.scene.original.is_none();
-        let mut making = self.making(number);
-        let leaves = enter(&mut making, all, &mut self.levels[number].grid);
+    fn solve_first(&mut self, all: Vec<[i32; 3]>) -> Result<()> {
+        let mut making = self.making(0);
+        let leaves = enter(&mut making, all, &mut self.levels[0].grid);
         if leaves.is_empty() {
             self.keep(making);
             return Ok(());
         }
-        let near = self.leaves_before(number, &leaves);
-        let samples = self.samples_near(number, samples, &near);
-        let targets = is_soft.then(|| self.soft_targets(number, &samples));
+        let near = self.leaves_before(0, &leaves);
+        let samples = self.samples_near(0, &near);
+        let targets = self.anchor.is_none().then(|| self.soft_targets(0, &samples));
         for pass in 0..PASSES {
-            let seen = self.seen(number, &mut making, pass + 1 == PASSES);
-            let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());
-            self.solve(number, leaves.clone(), &pulls, (WHOLE, None), making.as_mut())?;
+            let seen = self.seen(0, &mut making, pass + 1 == PASSES);
+            let pulls = self.pulls(0, &near, &seen, &samples, targets.as_deref());
+            self.solve(0, leaves.clone(), &pulls, (WHOLE, None), making.as_mut())?;
         }
         self.keep(making);
         Ok(())
@@ -268,18 +266,25 @@ impl<'a> Solver<'a> {
         self.kept.extend(level.map(|(making, level)| making.keep(level)));
     }
 
-    /// Those samples that are in some leaves of a level.
-    fn samples_near(
-        &self,
-        number: usize,
-        samples: &[PlaneSample],
-        near: &LeafSet,
-    ) -> Vec<PlaneSample> {
+    /// Where samples of a coarse level, in nodes, are on the wrong side: what is known there the
+    /// levels below were too coarse for.
+    fn unheard(&self, number: usize) -> Vec<[f64; 3]> {
+        let Level { lattice, grid, .. } = &self.levels[number];
+        let wrong = |sample: &PlaneSample| {
+            let at = ((sample.at - lattice.origin) / lattice.voxel).to_array();
+            let is_inside = trilinear(grid, at)? > 0.0;
+            (is_inside != (sample.label == self.label)).then_some(at)
+        };
+        self.scene.samples[number].par_iter().filter_map(wrong).collect()
+    }
+
+    /// Those samples of a coarse level that are in some of its leaves.
+    fn samples_near(&self, number: usize, near: &LeafSet) -> Vec<PlaneSample> {
         let Lattice { origin, voxel, .. } = self.levels[number].lattice;
         let is_near = |sample: &&PlaneSample| {
             near.has(leaf_of(node_below(((sample.at - origin) / voxel).to_array())))
         };
-        samples.iter().copied().filter(|sample| is_near(&sample)).collect()
+        self.scene.samples[number].iter().copied().filter(|sample| is_near(&sample)).collect()
     }
 
     /// Leaves, and those before them along the axes, which the cells between belong to: what
@@ -305,21 +310,31 @@ impl<'a> Solver<'a> {
             true => self.anchored[number].leaves().to_vec(),
             false => self.refined(number, &self.levels[number]),
         };
+        let is_coarse = number < self.scene.space.whole;
         self.ensure(contours.iter().chain(&band).copied());
+        if is_coarse {
+            let all: Vec<[i32; 3]> = self.levels[number].grid.all_places().collect();
+            self.ensure(all);
+        }
         if !self.is_solved(number) {
             return Ok(band);
         }
         let is_first = number == self.scene.space.whole || starts_at_anchor;
         let is_last = number + 1 == self.scene.space.lattices.len();
-        let (passes, limits, length) = match (is_first, is_last) {
-            (true, _) => (PASSES, FIRST_NARROW, None),
-            (false, true) => (1, NARROW, Some(FINEST_LENGTH)),
-            (false, false) => (1, NARROW, Some(NARROW_LENGTH)),
+        let (passes, limits, length) = match (is_coarse, is_first, is_last) {
+            (true, _, _) => (PASSES, WHOLE, None),
+            (false, true, _) => (PASSES, FIRST_NARROW, None),
+            (false, false, true) => (1, NARROW, Some(FINEST_LENGTH)),
+            (false, false, false) => (1, NARROW, Some(NARROW_LENGTH)),
         };
+        let reach = if is_coarse { WIDE_BAND } else { BAND };
         let mut making = self.making(number);
         for pass in 0..passes {
-            band = near_changes(&self.levels[number].grid, BAND);
+            band = near_changes(&self.levels[number].grid, reach);
             band.extend(&contours);
+            if is_coarse {
+                band.extend(near_points(&self.unheard(number), BAND));
+            }
             band.sort_unstable();
             band.dedup();
             band.retain(|&leaf| self.levels[number].grid.may_hold(leaf));
@@ -329,8 +344,11 @@ impl<'a> Solver<'a> {
                 continue;
             }
             let near = self.leaves_before(number, &leaves);
-            let samples = self.samples_in(number, &near, &band);
-            let is_soft = (is_first || !is_last) && self.anchor.is_none();
+            let samples = match is_coarse {
+                true => self.samples_near(number, &near),
+                false => self.samples_in(number, &near, &band),
+            };
+            let is_soft = (is_coarse || is_first || !is_last) && self.anchor.is_none();
             let targets = is_soft.then(|| self.soft_targets(number, &samples));
             let seen = self.seen(number, &mut making, pass > 0 && pass + 1 == passes);
             let pulls = self.pulls(number, &near, &seen, &samples, targets.as_deref());

@@ -28,11 +28,11 @@
 //! between parallel ones; this one goes through them as a bent plate would. A label
 //! is where its field is the largest of all; *outside* has one like the others.
 //!
-//! It is solved from coarse to fine (`label_field`): on the whole box with 48 voxels
-//! or some more on its longest side, where it is decided how parts hang together, then in
-//! a narrow band around the surface and the contours on ever finer lattices, started
-//! from the interpolated level below, which is also the band's boundary condition. On all
-//! of these but the first λ Σ (f − start)² is added over the band's nodes: what is longer
+//! It is solved from coarse to fine (`label_field`): on the whole box with 24 voxels or
+//! some more on its longest side, then in a wide band around the surface with twice as many,
+//! where it is decided how parts hang together, then in a narrow one around the surface and
+//! the contours on ever finer lattices, each started from the interpolated level below, which
+//! is also the band's boundary condition. On all narrow ones but the first λ Σ (f − start)² is added over the band's nodes: what is longer
 //! than ℓ = λ^(−¼) has been solved for below, and is not again.
 //!
 //! The same energy smooths a surface that another method made ([`smoothing`]).

@@ -12,7 +12,7 @@ use crate::section::Section;
 use crate::section::ends::{End, ends};
 use crate::section::reach::{reaches_with, space};
 
-/// Voxels on the longest side of the box on which all of it is solved for, at least.
+/// Voxels on the longest side of the wide box on the second level, at least.
 const WHOLE_VOXELS: f64 = 48.0;
 /// How far that box reaches beyond contours within their planes, relative to the
 /// diagonal of them all. The given one is near to the surface; half way between two
@@ -47,7 +47,8 @@ pub struct Space {
     pub wide: Bounds,
     /// From the coarsest to the given one.
     pub lattices: Vec<Lattice>,
-    /// So many of them are solved on the whole box, at least two.
+    /// So many of them cover the wide box, at least two: there it is decided how parts hang
+    /// together.
     pub whole: usize,
     /// Beyond them the field is given: the faces of the wide box before it was rounded, and the
     /// ends of a stack that leans, which has that box's corners there.
@@ -71,8 +72,8 @@ impl Space {
         Ok(Self { wide_ends, ends, ..Self::new(frame, wide)? })
     }
 
-    /// The given lattice is itself solved on all of its box when it is as coarse as what
-    /// would be.
+    /// The given lattice is itself one of those that cover the wide box when it is as coarse as
+    /// these would be.
     pub fn new(frame: &Frame, wide: Bounds) -> Result<Self> {
         let Frame { bounds, lattice: finest, is_fixed } = *frame;
         let coarse = coarse_voxel(frame.size(), wide);

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::field::{Field, Queries, Run};
+use crate::grid::leaf::{LeafNodes, LeafValues};
 use crate::grid::locate::NO_CELL;
 use crate::grid::samples::Values;
 use crate::label::Label;
@@ -90,17 +91,29 @@ impl<'a> Batch<'a> {
         labels.iter().copied().zip(values.iter().map(move |value| value.clamp(-most, most)))
     }
 
-    /// A label's value at a node. Beyond the box it is outside; where a label cannot occur, its
-    /// distance is as large as that of the one that is there.
-    pub(super) fn value(&self, node: usize, label: Label) -> f32 {
-        if let Some((_, value)) = self.own(node).find(|(own, _)| *own == label) {
-            return value;
-        }
-        let best = self.own(node).map(|(_, value)| value).reduce(f32::max);
-        match best {
-            None if label == Label::OUTSIDE => 1.0,
-            Some(best) if !self.are_indicators() => -best.abs(),
-            _ => -1.0,
+    /// Sets the values of some labels, sorted, at a node, which is a leaf's `inner`-th. Beyond the
+    /// box it is outside; where a label cannot occur, its distance is as large as that of the
+    /// one that is there.
+    pub(super) fn values_at(
+        &self,
+        node: usize,
+        labels: &mut [LeafValues<Box<LeafNodes>>],
+        inner: usize,
+    ) {
+        let best = || self.own(node).map(|(_, value)| value).reduce(f32::max);
+        let absent = match self.are_indicators() {
+            true => -1.0,
+            false => best().map_or(-1.0, |best| -best.abs()),
+        };
+        let is_beyond = self.cells[node] == NO_CELL;
+        let mut present = self.own(node).peekable();
+        for own in labels {
+            while present.next_if(|(label, _)| *label < own.label).is_some() {}
+            own.values[inner] = match present.next_if(|(label, _)| *label == own.label) {
+                Some((_, value)) => value,
+                None if is_beyond && own.label == Label::OUTSIDE => 1.0,
+                None => absent,
+            };
         }
     }
 

@@ -118,6 +118,28 @@ fn every_node_of_two_balls_has_the_right_label() {
 }
 
 #[test]
+fn of_many_labels_leaves_keep_those_that_are_near() {
+    let place = |index: i32| f64::from(index) / 4.0 - 0.75;
+    let all = (0..343).map(|ball| [ball / 49, ball / 7 % 7, ball % 7].map(place));
+    let balls: Vec<(DVec3, f64)> = all.map(|at| (DVec3::from(at), 0.085)).collect();
+    let balls = Balls::new(&balls);
+    let cells = Halves { bounds: cube(1.0), split: 0.95, open: false };
+    let lattice = Lattice::new(cells.bounds, Resolution::Voxels(60)).unwrap();
+    let Sampling { kept: Kept { samples, .. }, points } = run(&balls, &cells, lattice, 1);
+    samples.sanity_check().unwrap();
+    assert_eq!(samples.materials().len(), 343);
+    let labels = LabelGrid::new(&samples);
+    for node in samples.leaves().flat_map(|leaf| (0..LEAF_NODES).map(move |node| leaf.node(node))) {
+        let expected = balls.label(lattice.position(node));
+        assert_eq!(labels.at(node), expected, "{node:?}");
+    }
+    // A leaf is as wide as balls are apart: some of eight are in it, and *outside*.
+    let kept: usize = samples.leaves().map(|leaf| leaf.materials.len()).sum();
+    assert!(kept < 9 * samples.valued.len(), "{kept} in {} leaves", samples.valued.len());
+    assert!(points > 100_000, "{points}");
+}
+
+#[test]
 fn a_surface_on_the_box_is_closed_outside_of_it() {
     let balls = Balls::new(&[(DVec3::ZERO, 10.0)]);
     let cells = Halves { bounds: cube(1.0), split: 2.0, open: false };
