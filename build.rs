@@ -18,22 +18,32 @@ fn main() {
     build
         .std("c++17")
         .files(&sources)
-        .includes(values(&flags, "include"))
         .flag_if_supported("-frounding-math") // CGAL's interval arithmetic needs it
-        .flag_if_supported("-Wno-deprecated-declarations")
         .opt_level(2)
-        .warnings(false)
+        .warnings(true)
+        .extra_warnings(true)
         .debug(false); // CGAL's templates make for a gigabyte of it
+    // System headers, of which compilers do not warn: cxx's and those of other libraries. A folder
+    // that is given both ways (cxx-build gives its own with -I) counts as a system one.
+    let generated = PathBuf::from(env::var("OUT_DIR").expect("cargo sets it"));
+    let generated = generated.join("cxxbridge/include").display().to_string();
+    for folder in values(&flags, "include").into_iter().chain([generated.as_str()]) {
+        build.flag("-isystem").flag(folder);
+    }
     // Which of GCC's and clang's sanitizers watch the C++ side, as in `address,undefined`.
     println!("cargo:rerun-if-env-changed=TRANSECT_SANITIZE");
     let sanitizers = env::var("TRANSECT_SANITIZE").unwrap_or_default();
     for sanitizer in sanitizers.split(',').filter(|name| !name.is_empty()) {
         build.flag(format!("-fsanitize={sanitizer}")).flag("-fno-sanitize-recover=all");
-        build.flag("-fno-omit-frame-pointer").flag("-g1");
+        // Quick to build, and lines stay what they are.
+        build.flag("-fno-omit-frame-pointer").flag("-g1").opt_level(1);
     }
-    // CGAL's assertions, and ours: for tests.
+    // CGAL's assertions, and ours: for tests. These also fail by a warning, unless sanitizers are
+    // on, whose code the compiler warns of where there is nothing.
     if env::var_os("CARGO_FEATURE_ASSERTIONS").is_none() {
         build.define("NDEBUG", None);
+    } else {
+        build.warnings_into_errors(sanitizers.is_empty());
     }
     for definition in values(&flags, "define") {
         let (name, value) = match definition.split_once('=') {

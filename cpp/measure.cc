@@ -70,7 +70,7 @@ std::vector<Component> components(const Polyhedron& mesh, const ComponentOf& com
   std::vector<CGAL::Bbox_3> boxes(count);
   // Relative to a vertex: far from the origin, digits would cancel.
   const Kernel::Point_3 base =
-      mesh.is_empty() ? Kernel::Point_3() : mesh.point(*mesh.vertices_begin());
+      mesh.is_empty() ? Kernel::Point_3(0, 0, 0) : mesh.point(*mesh.vertices_begin());
   for (const Face face : mesh.faces()) {
     const size_t id = component_of[face];
     components[id].euler += 1;

@@ -125,7 +125,7 @@ struct Skeleton::Parts {
     patches = std::make_unique<Patches>(scene, cells);
   }
 
-  Content content(Index cell) const { return {scene, *patches, *line_points, cell}; }
+  Content content(Index cell) const { return {*patches, *line_points, cell}; }
 
   bool scales_suffice() const {
     const auto is_partial = [](const Section& section) { return section.partial; };

@@ -71,8 +71,7 @@ class Words {
 
 }  // namespace
 
-Content::Content(const Scene& scene, const Patches& patches, const LinePoints& line_points,
-                 Index index)
+Content::Content(const Patches& patches, const LinePoints& line_points, Index index)
     : cell(patches.cell(index, points)) {
   const Index own = static_cast<Index>(points.size());
   std::unordered_map<Index, Index> numbers;

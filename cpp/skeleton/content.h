@@ -20,7 +20,7 @@ struct Content {
   // Where contours, of whatever plane, meet the cell's edges; by the ends in ascending order.
   std::map<std::pair<Index, Index>, std::vector<Index>> on_edges;
 
-  Content(const Scene& scene, const Patches& patches, const LinePoints& line_points, Index cell);
+  Content(const Patches& patches, const LinePoints& line_points, Index cell);
 
   bool has_patches() const { return !cell.patches.empty(); }
   // Whether there are two labels in the cell.
