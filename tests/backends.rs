@@ -135,6 +135,13 @@ fn compare(
 }
 
 #[test]
+fn own_anatomy() {
+    check("vessel.csl");
+    check("organ.contour");
+    check("knot.contour");
+}
+
+#[test]
 fn elephant() {
     check("csl/Elephant.csl");
 }

@@ -382,9 +382,11 @@ fn an_interrupt_ends_promptly_and_leaves_nothing() {
 }
 
 #[test]
-fn real_contour_files_reconstruct() {
-    for name in ["ringc", "mug", "liver", "mousebrain"] {
-        let Some(path) = common::data(&format!("contour/{name}.contour")) else { return };
+fn contour_files_reconstruct() {
+    let real =
+        ["ringc", "mug", "liver", "mousebrain"].map(|name| format!("contour/{name}.contour"));
+    for name in ["organ.contour", "knot.contour"].map(str::to_owned).into_iter().chain(real) {
+        let Some(path) = common::data(&name) else { continue };
         let folder = folder();
         let mut command = transect();
         command.arg("reconstruct").arg(path).args(COARSE);

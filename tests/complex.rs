@@ -79,6 +79,7 @@ fn check(name: &str) {
 
 #[test]
 fn sections_in_all_directions_keep_their_areas() {
+    check("vessel.csl");
     check("csl/Elephant.csl");
     check("csl/Heart-25-even-better.csl");
     check("csl/Vetebrae.csl");
@@ -86,6 +87,8 @@ fn sections_in_all_directions_keep_their_areas() {
 
 #[test]
 fn many_labels_keep_their_areas() {
+    check("organ.contour");
+    check("knot.contour");
     check("csl/Abdomen.csl");
     for name in ["liver", "mousebrain", "mug", "ringc"] {
         check(&format!("contour/{name}.contour"));
@@ -94,6 +97,7 @@ fn many_labels_keep_their_areas() {
 
 #[test]
 fn parallel_sections_keep_their_areas() {
+    check("bone.csl");
     for name in ["eight_15", "eight_20", "hand_ok", "ParallelEight", "SideBishop"] {
         check(&format!("csl/{name}.csl"));
     }

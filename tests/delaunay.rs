@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::data;
 use glam::DVec3;
 use transect::change::Change;
@@ -49,10 +51,16 @@ fn smallest_angle(mesh: &Mesh) -> f64 {
 }
 
 #[test]
-fn elephant_has_good_triangles_at_the_same_surface() {
-    let Some(path) = data("csl/Elephant.csl") else { return };
+fn triangles_are_good_and_at_the_same_surface() {
+    for name in ["vessel.csl", "csl/Elephant.csl"] {
+        let Some(path) = data(name) else { continue };
+        assert_good(&path);
+    }
+}
+
+fn assert_good(path: &Path) {
     let rules = Rules::default();
-    let sections = read_sections(&path, &rules).expect("the file can be read");
+    let sections = read_sections(path, &rules).expect("the file can be read");
     let mut model = Model::new(Options::default());
     model.apply(Change::Add(sections), &mut Context::default()).expect("it reconstructs");
     let derived = model.derived().expect("something was derived");

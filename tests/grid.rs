@@ -103,6 +103,13 @@ fn check(file: &VdbFile) {
 }
 
 #[test]
+fn own_anatomy() {
+    reconstructs("vessel.csl", 128);
+    reconstructs("organ.contour", 96);
+    reconstructs("knot.contour", 90);
+}
+
+#[test]
 fn vertebrae() {
     reconstructs("csl/Vetebrae.csl", 256);
 }

@@ -69,9 +69,15 @@ fn distance_to(start: DVec2, end: DVec2) -> f64 {
 
 #[test]
 fn it_agrees_with_plain_floats_where_these_are_good_enough() {
-    for name in
-        ["csl/Elephant.csl", "csl/Vetebrae.csl", "csl/Abdomen.csl", "contour/mousebrain.contour"]
-    {
+    for name in [
+        "vessel.csl",
+        "organ.contour",
+        "knot.contour",
+        "csl/Elephant.csl",
+        "csl/Vetebrae.csl",
+        "csl/Abdomen.csl",
+        "contour/mousebrain.contour",
+    ] {
         let Some((sections, bounds)) = read(name) else { continue };
         let oracle = Oracle::new(&sections, bounds, Label::OUTSIDE).unwrap();
         let points = spread(bounds, 20_000);
@@ -89,7 +95,13 @@ fn it_agrees_with_plain_floats_where_these_are_good_enough() {
 
 #[test]
 fn the_field_agrees_where_it_must() {
-    for name in ["csl/Elephant.csl", "csl/Vetebrae.csl", "csl/Heart-25-even-better.csl"] {
+    for name in [
+        "vessel.csl",
+        "organ.contour",
+        "csl/Elephant.csl",
+        "csl/Vetebrae.csl",
+        "csl/Heart-25-even-better.csl",
+    ] {
         let Some((sections, bounds)) = read(name) else { continue };
         let oracle = Oracle::new(&sections, bounds, Label::OUTSIDE).unwrap();
         let complex = Complex::new(&sections, bounds, Label::OUTSIDE).unwrap();
@@ -120,8 +132,14 @@ fn label_of(field: &Cpu, cell: u32, point: DVec3) -> Label {
 
 #[test]
 fn any_number_of_threads_gives_the_same() {
-    let Some((sections, bounds)) = read("csl/Abdomen.csl") else { return };
-    let oracle = Oracle::new(&sections, bounds, Label::OUTSIDE).unwrap();
+    for name in ["organ.contour", "csl/Abdomen.csl"] {
+        let Some((sections, bounds)) = read(name) else { continue };
+        assert_same_on_any_number_of_threads(&sections, bounds);
+    }
+}
+
+fn assert_same_on_any_number_of_threads(sections: &[Section], bounds: Bounds) {
+    let oracle = Oracle::new(sections, bounds, Label::OUTSIDE).unwrap();
     let points = spread(bounds, 5_000);
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -440,8 +440,12 @@ fn a_section_of_degenerate_contours_alone_is_left_out() {
     assert_says(&error, &["d.json", "no contour of any section encloses an area"]);
 }
 
-/// Real files: planes, vertices, loops and holes that they hold.
+/// Our own files and real ones: planes, vertices, loops and holes that they hold.
 const DATA: &[(&str, [usize; 4])] = &[
+    ("vessel.csl", [24, 1257, 37, 0]),
+    ("bone.csl", [17, 1128, 32, 15]),
+    ("organ.contour", [19, 1743, 0, 0]),
+    ("knot.contour", [16, 1300, 0, 0]),
     ("csl/Abdomen.csl", [42, 32_682, 1_130, 484]),
     ("csl/Elephant.csl", [24, 10_429, 68, 1]),
     ("csl/Heart-25-even-better.csl", [25, 4_534, 33, 0]),
@@ -458,7 +462,7 @@ const DATA: &[(&str, [usize; 4])] = &[
 ];
 
 #[test]
-fn real_files_read_without_doubts() {
+fn whole_files_read_without_doubts() {
     let strict = Rules { strict: true, ..Rules::default() };
     for (name, [planes, vertices, loops, holes]) in DATA {
         let Some(path) = data(name) else { continue };
@@ -473,7 +477,7 @@ fn real_files_read_without_doubts() {
 }
 
 #[test]
-fn real_files_survive_a_round_trip() {
+fn whole_files_survive_a_round_trip() {
     for (name, _) in DATA {
         let Some(path) = data(name) else { continue };
         assert_round_trip(&path, json::write, json::read);

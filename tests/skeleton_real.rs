@@ -97,6 +97,13 @@ fn holds(file: &str) {
 }
 
 #[test]
+fn own_anatomy() {
+    holds("vessel.csl");
+    holds("bone.csl");
+    holds("knot.contour");
+}
+
+#[test]
 fn elephant() {
     holds("csl/Elephant.csl");
 }
@@ -123,10 +130,12 @@ fn mouse_brain() {
 
 #[test]
 fn one_thread_or_three() {
-    let Some((sections, bounds)) = sections("csl/eight_20.csl") else { return };
-    let with_threads = |count| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
-        pool.install(|| exact(&sections, bounds))
-    };
-    assert_eq!(with_threads(1), with_threads(3));
+    for file in ["organ.contour", "csl/eight_20.csl"] {
+        let Some((sections, bounds)) = sections(file) else { continue };
+        let with_threads = |count| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
+            pool.install(|| exact(&sections, bounds))
+        };
+        assert_eq!(with_threads(1), with_threads(3), "{file}");
+    }
 }

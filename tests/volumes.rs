@@ -207,9 +207,14 @@ fn two_materials_share_the_disc_and_meet_in_junctions() {
 
 #[test]
 fn all_labels_of_sparse_slices_come_back() {
-    let Some(path) = common::data("labels/SevenLabels.nrrd") else { return };
+    assert_all_labels("knot.nrrd", 3);
+    assert_all_labels("labels/SevenLabels.nrrd", 7);
+}
+
+fn assert_all_labels(name: &str, last: u32) {
+    let Some(path) = common::data(name) else { return };
     let volume = read_volume(&path).expect("a volume");
-    assert_eq!(volume.labels(), (1..=7).map(Label).collect::<Vec<_>>());
+    assert_eq!(volume.labels(), (1..=last).map(Label).collect::<Vec<_>>());
     assert_eq!(volume.frame, "LPS");
     let sections = cut(&path, &Family::Axis { axis: 2, count: 16 });
     let mut found: Vec<Label> = sections.iter().flat_map(|(_, section)| section.labels()).collect();

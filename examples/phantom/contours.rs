@@ -55,7 +55,7 @@ pub struct Piece {
 type Node = (i32, i32);
 
 /// Finds the borders between the labels on a plane.
-pub fn borders(plane: &Plane, label_at: fn(DVec3) -> Label) -> Borders {
+pub fn borders(plane: &Plane, label_at: &dyn Fn(DVec3) -> Label) -> Borders {
     let mut march = March::new(plane, label_at);
     for i in -REACH..REACH {
         for j in -REACH..REACH {
@@ -67,8 +67,8 @@ pub fn borders(plane: &Plane, label_at: fn(DVec3) -> Label) -> Borders {
     march.borders
 }
 
-struct March {
-    label_at: fn(DVec3) -> Label,
+struct March<'a> {
+    label_at: &'a dyn Fn(DVec3) -> Label,
     origin: DVec3,
     /// Unit vectors, counter-clockwise about the normal.
     axes: [DVec3; 2],
@@ -77,8 +77,8 @@ struct March {
     borders: Borders,
 }
 
-impl March {
-    fn new(plane: &Plane, label_at: fn(DVec3) -> Label) -> Self {
+impl<'a> March<'a> {
+    fn new(plane: &Plane, label_at: &'a dyn Fn(DVec3) -> Label) -> Self {
         let mut march = Self {
             label_at,
             origin: plane.normal * (plane.offset / plane.normal.length_squared()),

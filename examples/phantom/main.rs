@@ -63,7 +63,7 @@ fn phantom() -> Result<Sections> {
 fn section(name: &str, plane: &Plane) -> Result<Section> {
     /// A torso's size, in mm.
     const DIAGONAL: f64 = 430.0;
-    let borders = contours::borders(plane, anatomy::label_at);
+    let borders = contours::borders(plane, &anatomy::label_at);
     let edges = simplify::simplified(&borders);
     let points: Vec<DVec3> = borders.points.iter().map(|&point| rounded(plane, point)).collect();
     Section::from_graph(name, *plane, &points, &edges, DIAGONAL, &strict())
