@@ -9,10 +9,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use program::{assert_done, assert_refused, entries, folder, repository, run, stderr, transect};
+use program::{
+    assert_done, assert_refused, entries, folder, phantom, repository, run, stderr, transect,
+};
 use transect::io::vdb::VdbFile;
 
-/// Three labels on two planes.
+/// Three labels on two planes, which are farther apart than what is on them is wide: quick, but
+/// between them any method says what it likes, so how far two agree says nothing.
 fn organs() -> PathBuf {
     repository("tests/corpus/organs.csl")
 }
@@ -29,7 +32,7 @@ fn crosscheck(folder: &Path, sections: &Path, names: &[&str], more: &[&str]) -> 
     run(&mut command)
 }
 
-/// The report of a run on the bundled example.
+/// The report of a quick run.
 fn report(more: &[&str]) -> serde_json::Value {
     let folder = folder();
     let quick = [QUICK, &["--json", "--quiet"], more].concat();
@@ -45,7 +48,7 @@ fn labels_agree_where_they_must_and_all_is_written() {
     let path = folder.path().join("c.json");
     let more = ["--report", path.to_str().expect("UTF-8"), "--json"];
     let names = ["c.vdb", "c.png"];
-    let output = crosscheck(folder.path(), &organs(), &names, &[QUICK, &more].concat());
+    let output = crosscheck(folder.path(), &phantom(), &names, &[QUICK, &more].concat());
     assert_done(&output);
     let table = stderr(&output);
     for words in ["labels agree", "must agree       and do", "joined regions", "dual to skeleton"] {
@@ -59,14 +62,15 @@ fn labels_agree_where_they_must_and_all_is_written() {
     assert_eq!(written["points"]["violations"], 0);
     assert!(written["points"]["must_agree"].as_u64() > Some(100), "{}", written["points"]);
     let labels = written["labels"].as_array().expect("labels");
-    assert_eq!(labels.len(), 3);
+    assert_eq!(labels.len(), 7);
     for label in labels {
         assert_eq!(
             (&label["dual"]["closed"], &label["skeleton"]["closed"]),
             (&true.into(), &true.into())
         );
     }
-    assert!(written["agreement"]["share"].as_f64() > Some(0.8));
+    // Measured: 0.9924.
+    assert!(written["agreement"]["share"].as_f64() > Some(0.99), "{}", written["agreement"]);
     let picture = image::open(folder.path().join("c.png")).expect("a picture").to_rgb8();
     assert_eq!(picture.dimensions(), (1600, 1200));
     let grids =
@@ -79,7 +83,7 @@ fn labels_agree_where_they_must_and_all_is_written() {
 fn volumes_hold_both_labels_and_where_they_differ() {
     let folder = folder();
     let more = ["--resolution", "24", "--meshers", "dual", "--json", "--quiet"];
-    let output = crosscheck(folder.path(), &program::phantom(), &["c.vdb"], &more);
+    let output = crosscheck(folder.path(), &phantom(), &["c.vdb"], &more);
     assert_done(&output);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let file = VdbFile::read(&folder.path().join("c.vdb")).expect("volumes");
@@ -105,14 +109,15 @@ fn volumes_hold_both_labels_and_where_they_differ() {
 fn the_variational_field_is_held_against_the_skeleton_where_asked_for() {
     let folder = folder();
     let more = ["--method", "variational", "--json"];
-    let output = crosscheck(folder.path(), &organs(), &["c.png"], &[QUICK, &more].concat());
+    let output = crosscheck(folder.path(), &phantom(), &["c.png"], &[QUICK, &more].concat());
     assert_done(&output);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(report["method"], "variational");
     assert!(report["points"].is_null(), "{}", report["points"]);
-    // On the sections themselves both say what these say.
+    // Measured: 0.9869, and 0.9902 at the sections, where both say what these say.
+    assert!(report["agreement"]["share"].as_f64() > Some(0.985), "{}", report["agreement"]);
     let nearest = &report["agreement"]["bins"][0];
-    assert!(nearest["share"].as_f64() > Some(0.99), "{nearest}");
+    assert!(nearest["share"].as_f64() > Some(0.989), "{nearest}");
     assert!(report["pairing"]["cells"].as_u64() > Some(0), "{}", report["pairing"]);
     assert!(stderr(&output).contains("known of --method mvc alone"), "{}", stderr(&output));
 }
@@ -191,20 +196,28 @@ fn open_boxes_and_unknown_parts_are_checked_too() {
     let folder = folder();
     let masked = folder.path().join("masked.json");
     let mut mask = transect();
-    mask.arg("mask").arg(organs()).args(["--blobs", "0.1", "-q", "-o"]).arg(&masked);
+    mask.arg("mask").arg(phantom()).args(["--blobs", "0.1", "-q", "-o"]).arg(&masked);
     assert_done(&run(&mut mask));
     let more = ["--resolution", "32", "--meshers", "dual", "--json", "-q", "--box", "unknown"];
     let output = crosscheck(folder.path(), &masked, &["c.vdb"], &more);
     assert_done(&output);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(report["points"]["violations"], 0);
+    assert!(report["points"]["must_agree"].as_u64() > Some(500), "{}", report["points"]);
     assert_eq!(report["skeleton"]["exact"], false);
-    assert!(report["agreement"]["share"].as_f64() > Some(0.5), "{}", report["agreement"]["share"]);
+    // Measured: 0.9924.
+    assert!(report["agreement"]["share"].as_f64() > Some(0.99), "{}", report["agreement"]);
 }
 
 #[test]
-fn real_sections_agree_where_they_must() {
-    for name in ["csl/Heart-25-even-better.csl", "contour/mousebrain.contour"] {
+fn drawn_sections_agree_where_they_must() {
+    // Measured: 0.9944, 0.9916, 0.9949 and, on six sections far apart, 0.9516.
+    for (name, least) in [
+        ("vessel.csl", 0.99),
+        ("organ.contour", 0.99),
+        ("csl/Heart-25-even-better.csl", 0.99),
+        ("contour/mousebrain.contour", 0.94),
+    ] {
         let Some(path) = shared::data(name) else { continue };
         let folder = folder();
         let more = ["--resolution", "64", "--meshers", "dual", "--json", "--quiet"];
@@ -212,5 +225,7 @@ fn real_sections_agree_where_they_must() {
         assert_done(&output);
         let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
         assert!(report["points"]["must_agree"].as_u64() > Some(0), "{name}: {}", report["points"]);
+        let share = &report["agreement"]["share"];
+        assert!(share.as_f64() > Some(least), "{name}: {share}");
     }
 }

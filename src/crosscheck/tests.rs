@@ -82,7 +82,8 @@ fn a_narrow_overlap_is_joined_by_the_skeleton_alone() {
     let part = &findings.report.found.parts[0];
     assert_eq!((part.field, part.skeleton), (0, 1));
     let share = findings.report.found.agreement.share;
-    assert!(share > 0.8 && share < 1.0, "{share}");
+    // Measured: 0.9556.
+    assert!(share > 0.95 && share < 0.96, "{share}");
     assert_eq!(findings.differing.len(), findings.depths.len());
 }
 
@@ -96,8 +97,8 @@ fn disagreement_is_found_at_the_distance_where_it_is() {
         96,
     );
     let agreement = &findings.report.found.agreement;
-    let near = agreement.bins[0].share;
-    assert!(near > 0.99 && near > agreement.share, "at the sections: {near}");
+    assert_eq!(agreement.bins[0].share, 1.0, "at the sections");
+    assert!(agreement.share < 0.96, "{}", agreement.share);
     let sum: u64 = agreement.bins.iter().map(|bin| bin.nodes).sum();
     assert_eq!(sum, agreement.nodes);
     let dims = findings.report.nodes.map(|nodes| nodes as u64 - 2);
