@@ -1,4 +1,7 @@
 //! Sections from closed loops with holes.
+//!
+//! A hole may lie in another one of the same outer loop: then it is an island, and one in that
+//! is a hole again.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +18,7 @@ impl Section {
     /// A section from closed loops.
     ///
     /// A point's label is that of the outer loop that covers it by the even-odd
-    /// rule, holes taken away. Loops may touch themselves and each other, and what
+    /// rule, holes taken away; a hole within a hole of the same loop is an island of it. Loops may touch themselves and each other, and what
     /// nearly touches does ([`Rules::snapping`]). Where there are loops and none encloses
     /// anything, all is unknown.
     ///
@@ -43,7 +46,15 @@ impl Section {
         let windings = subdivision.windings();
         leave_out_degenerate(&mut draft, loops, &windings);
         warn_of_crossings(&mut draft, loops, &subdivision, &windings)?;
-        let faces = Faces { loops, sizes: &sizes, subdivision: &subdivision, windings: &windings };
+        let levels = levels(loops, &windings);
+        warn_of_islands(&mut draft, loops, &levels)?;
+        let faces = Faces {
+            loops,
+            sizes: &sizes,
+            levels: &levels,
+            subdivision: &subdivision,
+            windings: &windings,
+        };
         let mut labels = faces.labels(&mut draft)?;
         if draft.findings.is_void {
             labels.fill(Label::UNKNOWN);
@@ -163,6 +174,46 @@ pub(super) fn crossings(
     around.keys().map(|&vertex| subdivision.points[vertex as usize]).collect()
 }
 
+/// For every loop the holes of its outer loop that it lies in: those that cover all faces that
+/// it covers, and more. Two that are the same, or overlap in part, are in one another's none.
+fn levels(loops: &[Loop], windings: &[Windings]) -> Vec<Vec<usize>> {
+    let mut faces = vec![0; loops.len()];
+    let mut common: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    for windings in windings {
+        let inside = windings.iter().filter(|pair| odd(pair.1)).map(|pair| pair.0 as usize);
+        let holes: Vec<usize> = inside.filter(|&hole| loops[hole].hole_of.is_some()).collect();
+        for (i, &first) in holes.iter().enumerate() {
+            faces[first] += 1;
+            let of_one = |&&second: &&usize| loops[first].hole_of == loops[second].hole_of;
+            for &second in holes[i + 1..].iter().filter(of_one) {
+                *common.entry([first, second]).or_default() += 1;
+            }
+        }
+    }
+    let mut levels = vec![Vec::new(); loops.len()];
+    for ([first, second], common) in common {
+        for (inner, outer) in [(first, second), (second, first)] {
+            if common == faces[inner] && common < faces[outer] {
+                levels[inner].push(outer);
+            }
+        }
+    }
+    levels
+}
+
+/// Holes in holes of the same loop.
+fn warn_of_islands(draft: &mut Draft, loops: &[Loop], levels: &[Vec<usize>]) -> Result<()> {
+    for (island, within) in levels.iter().enumerate().filter(|(_, within)| within.len() % 2 == 1) {
+        let outer = loops[island].hole_of.unwrap_or(island);
+        draft.warn(format!(
+            "loops {island} and {} are holes of loop {outer}, and the one lies in the other: read \
+             as an island in a hole",
+            within[0]
+        ))?;
+    }
+    Ok(())
+}
+
 /// Loops that cover a common face, or a hole that covers one which its outer
 /// loop does not: how much, and where most.
 #[derive(Debug, Default)]
@@ -177,6 +228,8 @@ struct Faces<'a> {
     loops: &'a [Loop],
     /// The loops' areas.
     sizes: &'a [f64],
+    /// [`levels`].
+    levels: &'a [Vec<usize>],
     subdivision: &'a Subdivision,
     windings: &'a [Windings],
 }
@@ -203,13 +256,19 @@ impl Faces<'_> {
         Ok(labels)
     }
 
-    /// The outer loops that cover a face, holes taken away.
+    /// The outer loops that cover a face, holes taken away: of nested ones the innermost decides.
     fn covering(&self, windings: &Windings) -> Vec<usize> {
         let inside = || windings.iter().filter(|pair| odd(pair.1)).map(|pair| pair.0 as usize);
-        let removed: Vec<usize> =
-            inside().filter_map(|number| self.loops[number].hole_of).collect();
+        let mut deepest: BTreeMap<usize, usize> = BTreeMap::new();
+        for hole in inside() {
+            if let Some(outer) = self.loops[hole].hole_of {
+                let level = deepest.entry(outer).or_default();
+                *level = self.levels[hole].len().max(*level);
+            }
+        }
+        let is_removed = |number: &usize| deepest.get(number).is_some_and(|level| level % 2 == 0);
         inside()
-            .filter(|number| self.loops[*number].hole_of.is_none() && !removed.contains(number))
+            .filter(|number| self.loops[*number].hole_of.is_none() && !is_removed(number))
             .collect()
     }
 

@@ -102,6 +102,40 @@ fn other_loops_fill_holes() {
 }
 
 #[test]
+fn holes_in_holes_of_one_loop_are_islands_in_turn() {
+    // Squares around (4, 4), with sides 8, 6, 4, and 2; the last three holes of the first.
+    let nested = |count: usize| -> Vec<Loop> {
+        let own = (0..count).map(|i| (i as f64, square(1, [i as f64; 2], 8.0 - 2.0 * i as f64)));
+        own.map(|(i, square)| if i > 0.0 { hole(0, square) } else { square }).collect()
+    };
+    for (count, area, islands) in [(2, 64.0 - 36.0, 0), (3, 44.0, 1), (4, 40.0, 1)] {
+        let (section, findings) = read(&nested(count), &Rules::default()).unwrap();
+        assert_valid(&section);
+        assert_eq!(areas(&section), [(Label(1), area)]);
+        assert_eq!(findings.warnings.len(), islands);
+        if let [warning] = &findings.warnings[..] {
+            assert_says(&warning.what, &["loops 2 and 1", "holes of loop 0", "island"]);
+        }
+    }
+    // In another order it is the same, and holes that are alike or overlap in part are holes.
+    let mut turned = nested(3);
+    turned.swap(1, 2);
+    assert_eq!(areas(&read(&turned, &Rules::default()).unwrap().0), [(Label(1), 44.0)]);
+    let twice = [
+        square(1, [0.0; 2], 8.0),
+        hole(0, square(1, [1.0; 2], 2.0)),
+        hole(0, square(1, [1.0; 2], 2.0)),
+    ];
+    assert_eq!(areas(&clean(&twice)), [(Label(1), 60.0)]);
+    let aside = [
+        square(1, [0.0; 2], 8.0),
+        hole(0, square(1, [1.0; 2], 2.0)),
+        hole(0, square(1, [2.0; 2], 2.0)),
+    ];
+    assert_eq!(areas(&clean(&aside)), [(Label(1), 57.0)]);
+}
+
+#[test]
 fn shared_edges_are_one_edge_between_two_labels() {
     // The second square has a vertex in the middle of the shared edge.
     let split = polygon(2, &[[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 0.5]]);
