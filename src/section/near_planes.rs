@@ -1,14 +1,16 @@
 //! Sections on nearly one plane, each with structures that the other does not draw: somebody
-//! traced them one by one, and neither means to say that the other's are not there.
+//! traced them one by one, and neither means to say that the other's are not there. And frames of
+//! one plane whose normals are rounded: what a probe sees before and behind it.
 
 use glam::DVec3;
 
-use super::draft::Draft;
+use super::draft::{Draft, snapping};
 use super::overlay::Overlay;
-use super::sections::warn;
-use super::{Rules, Section, Sections};
+use super::sections::{merge, warn};
+use super::{Rules, Section, Sections, Warning};
 use crate::error::Result;
 use crate::label::Label;
+use crate::plane::Plane;
 
 /// So many times nearer to one another than to any other parallel section are two views of one
 /// plane.
@@ -34,6 +36,40 @@ impl Sections {
             // From the last, so that the numbers of the others stay.
             for &other in group.iter().rev() {
                 self.unite([first, other], diagonal, rules)?;
+            }
+            first += 1;
+        }
+        Ok(())
+    }
+
+    /// Merges sections that both know a part only of what is one plane but for rounding (the
+    /// tolerance within which contours touch), if they agree: between two such planes there would
+    /// be a cell of no thickness, known on one side and unknown on the other.
+    ///
+    /// # Errors
+    /// Where warnings are errors.
+    pub(super) fn unite_frames(&mut self, rules: &Rules) -> Result<()> {
+        let Some(bounds) = self.bounds() else { return Ok(()) };
+        let diagonal = bounds.diagonal();
+        let tolerance = snapping(rules, diagonal);
+        let mut first = 0;
+        while first < self.sections.len() {
+            for other in (first + 1..self.sections.len()).rev() {
+                let [known, new] = [first, other].map(|number| &self.sections[number]);
+                if !is_one_plane([known, new], tolerance) {
+                    continue;
+                }
+                // What disagrees may do so between two planes.
+                let Ok(merged) = merge(known, new, diagonal, rules) else { continue };
+                let what = format!(
+                    "lies on the plane of section {} but for rounding, and agrees with it: merged",
+                    known.name
+                );
+                let name = new.name.clone();
+                self.left_out.push(Warning { section: name.clone(), what: what.clone() });
+                self.sections[first] = merged;
+                self.sections.remove(other);
+                warn(self, &name, what, rules)?;
             }
             first += 1;
         }
@@ -73,10 +109,24 @@ impl Sections {
              an area of {area:.3e}, most near {place}): draw all on both, or on one"
         );
         // Once is enough, also when files are read together.
-        let is_known =
-            |told: &super::Warning| told.section == name && told.what.starts_with(NEARLY);
+        let is_known = |told: &Warning| told.section == name && told.what.starts_with(NEARLY);
         if self.warnings.iter().any(is_known) { Ok(()) } else { warn(self, &name, what, rules) }
     }
+}
+
+/// Whether both know a part only, and every vertex of either is as near to the other's plane.
+fn is_one_plane([one, other]: [&Section; 2], tolerance: f64) -> bool {
+    let is_on = |own: &Section, plane: &Plane| {
+        let mut points = (0..own.vertices.len() as u32).map(|vertex| own.point(vertex));
+        !own.vertices.is_empty() && points.all(|point| plane.distance(point).abs() <= tolerance)
+    };
+    let is_parallel =
+        || one.plane.unit_normal().cross(other.plane.unit_normal()).length() <= PARALLEL;
+    is_parallel()
+        && is_on(one, &other.plane)
+        && is_on(other, &one.plane)
+        && one.is_partial()
+        && other.is_partial()
 }
 
 /// The materials on a section.

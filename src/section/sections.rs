@@ -37,6 +37,7 @@ impl Sections {
         for section in sections {
             self.push(section, rules)?;
         }
+        self.unite_frames(rules)?;
         self.unite_drawings(rules)?;
         self.complete_materials();
         Ok(self)
@@ -67,6 +68,7 @@ impl Sections {
                 whole.push(section, rules)?;
             }
         }
+        whole.unite_frames(rules)?;
         whole.unite_drawings(rules)?;
         whole.complete_materials();
         whole.require_any()
@@ -230,7 +232,12 @@ fn same(what: &str, known: &mut String, new: &str, part: &Sections) -> Result<()
 }
 
 /// One section of two on the same plane; what one does not know, the other may.
-fn merge(known: &Section, new: &Section, diagonal: f64, rules: &Rules) -> Result<Section> {
+pub(super) fn merge(
+    known: &Section,
+    new: &Section,
+    diagonal: f64,
+    rules: &Rules,
+) -> Result<Section> {
     let new = new.onto(known.plane);
     let mut draft = Draft::new(&known.name, known.plane, diagonal, rules)?;
     let overlay = Overlay::new(&mut draft, [known, &new])?;

@@ -488,6 +488,32 @@ fn two_frames_of_one_plane_complete_each_other() {
 }
 
 #[test]
+fn frames_of_one_plane_but_for_rounding_are_merged_if_they_agree() {
+    let rules = Rules::default();
+    let frame = |x: f64| square(0, [x, -1.0], 4.0).points;
+    let within = |plane: Plane, side: f64, x: f64| {
+        let whole = named("whole", plane, &[square(1, [0.0, 0.0], side)]);
+        whole.within(&frame(x), &[], 10.0, &rules).unwrap().0
+    };
+    // Half a turn further, as sines and cosines have it, and a tilt that is none of rounding.
+    let turned = |tilt: f64| Plane { normal: DVec3::new(tilt, 0.0, -1.0), offset: 0.0 };
+    let left = within(FLAT, 2.0, -3.0);
+    let both =
+        Sections::new(vec![left.clone(), within(turned(1.2e-16), 2.0, 1.0)], &rules).unwrap();
+    assert_eq!(both.sections.len(), 1);
+    assert_eq!(areas(&both.sections[0]), [(Label(1), 4.0)]);
+    assert_says(&both.warnings[0].what, &["but for rounding", "merged"]);
+    let apart = |other: Section| Sections::new(vec![left.clone(), other], &rules).unwrap();
+    assert_eq!(apart(within(turned(1e-5), 2.0, 1.0)).sections.len(), 2);
+    // What overlaps and says something else, and what knows all of its plane, stay.
+    assert_eq!(apart(within(turned(1.2e-16), 1.0, 0.0)).sections.len(), 2);
+    assert_eq!(
+        apart(named("all", turned(1.2e-16), &[square(1, [0.0, 0.0], 2.0)])).sections.len(),
+        2
+    );
+}
+
+#[test]
 fn disagreement_is_measured_along_common_lines() {
     // On the x axis: material 1 from 0 to 2, against 1 from 0.5 to 3.
     let flat = named("flat", FLAT, &[square(1, [0.0, -1.0], 2.0)]);
