@@ -415,7 +415,11 @@ impl Ground<'_> {
         progress.go_on()?;
         let all = self.bordered(sections, method.border)?;
         let complex = arranged(&all, *bounds, method.border, stages, progress)?;
-        let spacing = |share| method.interpolation.spacing.unwrap_or_else(|| self.spacing(share));
+        // A region counts by the size of its triangles: between large ones contours would be lost.
+        let spacing = |share| {
+            let own = self.spacing(share);
+            method.interpolation.spacing.map_or(own, |given| if given > own { own } else { given })
+        };
         let interpolation =
             hermite::Options { spacing: Some(spacing(hermite::SPACING)), ..method.interpolation };
         let boundaries = stages.run("completion", |counts| {

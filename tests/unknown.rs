@@ -6,21 +6,25 @@ use std::path::Path;
 use transect::change::Change;
 use transect::check::Check;
 use transect::context::Context;
+use transect::field::hermite;
 use transect::grid::lattice::Resolution;
 use transect::io::{json, read_sections};
 use transect::label::Label;
 use transect::mesh::facts::Facts;
-use transect::method::{MeanValue, Method};
+use transect::method::{Hermite, MeanValue, Method};
 use transect::model::{Model, Options};
 use transect::section::{Rules, Section, Sections};
 
 /// Reconstructs sections given as the entries of our JSON format.
 fn reconstruct(sections: &[String], voxels: u32) -> Check {
+    reconstruct_by(Method::MeanValue(MeanValue::default()), sections, voxels)
+}
+
+fn reconstruct_by(method: Method, sections: &[String], voxels: u32) -> Check {
     let sections = sections.join(",\n");
     let text = format!(r#"{{"transect": "sections", "version": 1, "sections": [{sections}]}}"#);
     let rules = Rules::default();
     let sections = json::read(&text, Path::new("test"), &rules).expect("sections");
-    let method = Method::MeanValue(MeanValue::default());
     let options = Options { method, resolution: Resolution::Voxels(voxels), ..Options::default() };
     let mut model = Model::new(options);
     let mut context = Context::default();
@@ -109,6 +113,60 @@ fn a_few_spots_do_not_outweigh_the_neighbouring_sections() {
     // hundredth of it.
     let share = second.volume / (first.volume + second.volume);
     assert!(share < 0.02, "{share}");
+}
+
+/// A ring of radius 10 and 3 thick around z, in frames around its axis, as a probe that is turned
+/// sees it: those that are opposite are on one plane but for rounding.
+fn ring() -> Vec<String> {
+    let frame = |number: u32| {
+        let (sin, cos) = (f64::from(number) * std::f64::consts::TAU / 12.0).sin_cos();
+        let points = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+            let point = |[out, up]: [f64; 2]| {
+                let out = 10.0 + out;
+                format!("[{}, {}, {up}]", out * cos, out * sin)
+            };
+            points.map(point).collect::<Vec<_>>().join(", ")
+        };
+        let circle = |corner: u32| {
+            let (sin, cos) = (f64::from(corner) * std::f64::consts::TAU / 48.0).sin_cos();
+            [3.0 * cos, 3.0 * sin]
+        };
+        let contour = points(&mut (0..48).map(circle));
+        let corners = [[-4.5, -4.5], [4.5, -4.5], [4.5, 4.5], [-4.5, 4.5]];
+        let extent = points(&mut corners.into_iter());
+        format!(
+            r#"{{"normal": [{}, {cos}, 0], "offset": 0,
+                "loops": [{{"label": 1, "points": [{contour}]}}], "extent": [{extent}]}}"#,
+            -sin
+        )
+    };
+    (0..12).map(frame).collect()
+}
+
+#[test]
+fn frames_keep_what_they_know_whatever_the_spacing() {
+    let by_mean_value = |spacing| Method::MeanValue(MeanValue { spacing, ..MeanValue::default() });
+    let by_hermite = |spacing| {
+        let interpolation = hermite::Options { spacing, ..hermite::Options::default() };
+        Method::Hermite(Hermite { interpolation, ..Hermite::default() })
+    };
+    let methods: [&dyn Fn(Option<f64>) -> Method; 2] = [&by_mean_value, &by_hermite];
+    for (method, default) in methods.into_iter().zip([1.6, 0.8]) {
+        let found = |spacing| {
+            let check = reconstruct_by(method(spacing), &ring(), 48);
+            // Opposite frames are one section.
+            assert_eq!(check.dice.sections.len(), 6);
+            let Facts { components, genus, .. } = *facts(&check, 1);
+            assert_eq!((components, genus), (1, 1), "spacing {spacing:?}");
+            check.dice.min.expect("there are contours")
+        };
+        let kept = found(None);
+        assert!(kept > 0.985, "{kept}");
+        for times in [0.25, 4.0, 20.0] {
+            let dice = found(Some(times * default));
+            assert!(dice > kept - 0.01, "{dice} at {times} times the spacing, {kept} at one");
+        }
+    }
 }
 
 /// Frames of a sweep know a part of their planes only, so all cells hang together through what

@@ -105,7 +105,7 @@ pub struct MethodArguments {
     /// With --method mvc: how much ripples between sections are smoothed away, contours fixed: up to this many typical distances between sections; 0 keeps them [default: 1]
     #[arg(long, value_name = "STRENGTH", value_parser = strength)]
     pub smooth: Option<f64>,
-    /// With --method mvc: how finely unknown regions are completed, with hermite how finely all of the sections is triangulated: the length of a triangle's side, in world units [default: 1/16 of the box; with hermite 1/32]
+    /// With --method mvc: how finely unknown regions are completed, with hermite how finely all of the sections is triangulated: the length of a triangle's side, in world units; with hermite no more than the default [default: 1/16 of what is drawn; with hermite 1/32]
     #[arg(long, value_name = "H", value_parser = positive)]
     pub spacing: Option<f64>,
     /// With --method hermite: the gradients of distances away from contours: none at all, those of the distance itself, the nearest contour's normal within its plane, or the surface's normal there [default: normals]

@@ -60,7 +60,8 @@ const FINEST: f64 = 1.0 / 512.0;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Options {
     /// How finely facets are triangulated: the length of an edge in world units, a 32nd of
-    /// the box's longest side when none is given, in a [`Model`](crate::Model) of what is drawn.
+    /// the box's longest side when none is given, in a [`Model`](crate::Model) of what is drawn;
+    /// and there no longer ones.
     pub spacing: Option<f64>,
     /// What gradients are away from contours.
     pub gradients: Gradients,
