@@ -7,6 +7,7 @@ mod components;
 pub mod contour;
 pub mod overlap;
 pub mod passage;
+pub mod pieces;
 mod raster;
 pub mod ripple;
 #[cfg(test)]
@@ -36,6 +37,7 @@ use components::Components;
 use contour::{Contours, Unreached};
 use overlap::Counts;
 use passage::{Passage, passages};
+use pieces::{Pieces, Scene};
 use raster::Raster;
 use ripple::{Ripple, ripples};
 use support::{Support, support};
@@ -133,6 +135,8 @@ pub struct LabelCheck {
     /// Where regions begin and end between neighbouring sections of a stack, or
     /// are torn.
     pub passages: Vec<Passage>,
+    /// Whether it hangs together as the sections show it; `None` where it is in one piece.
+    pub pieces: Option<Pieces>,
     /// Pieces that no section passes through.
     pub afloat: Afloat,
     /// Whether the surface ripples in step with the sections.
@@ -188,7 +192,7 @@ pub fn check(
     let passages = passages_of(sections, stack.as_ref(), samples, &labels);
     let ripples = ripples(used, sections, &labels, lattice.voxel);
     progress.advance(1);
-    let labels: Vec<LabelCheck> = labels
+    let mut labels: Vec<LabelCheck> = labels
         .par_iter()
         .zip(passages)
         .zip(ripples)
@@ -206,6 +210,7 @@ pub fn check(
                 open_edges: 0,
                 open_at_box: true,
                 passages,
+                pieces: None,
                 afloat: Afloat::new(&surface, sections),
                 ripple,
                 unreached: contours.unreached.get(&label).copied().unwrap_or_default(),
@@ -214,6 +219,17 @@ pub fn check(
             Ok(closed.without_caps(&used.surface(label), bounds, tolerance))
         })
         .collect::<Result<_>>()?;
+    let in_pieces = labels.iter().filter(|own| own.facts.components > own.facts.cavities + 1);
+    let in_pieces: Vec<Label> = in_pieces.map(|own| Label(own.label)).collect();
+    let scene = Scene {
+        sections,
+        mesh,
+        origin: lattice.origin,
+        voxel: lattice.voxel,
+        stack: stack.as_ref(),
+    };
+    let mut pieces = scene.pieces(&in_pieces, |section| pixel(section, lattice));
+    labels.iter_mut().for_each(|own| own.pieces = pieces.remove(&Label(own.label)));
     let box_volume = lattice.dims.iter().map(|&nodes| f64::from(nodes - 1) * lattice.voxel);
     let box_volume = box_volume.product();
     let materials: f64 = labels.iter().map(|label| label.facts.volume).sum();

@@ -57,7 +57,8 @@ pub fn overlap(section: &Section, mesh: &Mesh, pixel: f64) -> BTreeMap<Label, Co
 
 /// Coordinates on a plane in pixels, counter-clockwise about its normal.
 pub(super) struct Frame {
-    axes: [DVec3; 2],
+    /// Of the length of one over a pixel's.
+    pub axes: [DVec3; 2],
 }
 
 impl Frame {

@@ -1,12 +1,13 @@
 //! Sections as pixels, and the regions that pixels show.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 
 use super::overlap::{Frame, Rows, Source};
 use crate::grid::runs::{Neighbors, Run, Runs};
 use crate::label::Label;
+use crate::mesh::cut::Cut;
 use crate::plane::Plane;
 use crate::section::{Edge, Section};
 
@@ -36,30 +37,130 @@ pub struct Region {
     pub at: DVec3,
 }
 
+/// Pixels that two rasters have in common.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Common {
+    /// How many.
+    pub pixels: u64,
+    /// The length of their longest row.
+    longest: i32,
+    /// Its middle.
+    pub at: DVec3,
+}
+
+impl Common {
+    fn add(&mut self, length: i32, middle: impl Fn() -> DVec3) {
+        self.pixels += length as u64;
+        if length > self.longest {
+            (self.longest, self.at) = (length, middle());
+        }
+    }
+}
+
 impl Raster {
     /// Of a section; `origin`, `direction` and `pixel` say where the pixels
     /// are, so that those of parallel sections lie upon each other.
     pub fn new(section: &Section, direction: DVec3, origin: DVec3, pixel: f64) -> Self {
-        let plane = *section.plane();
-        let upward = Plane { normal: direction, offset: 0.0 };
-        let frame = Frame::new(&upward, pixel);
         let points = (0..section.vertices().len() as u32).map(|vertex| section.point(vertex));
-        let points: Vec<DVec3> = points.map(|point| point - origin).collect();
+        let points: Vec<DVec3> = points.collect();
+        let is_turned = section.plane().normal.dot(direction) < 0.0;
+        let edges = seen(section.edges(), is_turned);
+        let upward = Plane { normal: direction, offset: 0.0 };
+        let blank = Self {
+            plane: *section.plane(),
+            origin,
+            sides: upward.tangents().map(|tangent| pixel * tangent),
+            first: 0,
+            runs: Runs::new([1, 0], |_, _| {}),
+            region_of: Vec::new(),
+        };
+        blank.drawn(&edges, &points, section.background())
+    }
+
+    /// Of a mesh's cut by the same plane, as seen from where its normal points, in the same pixels.
+    pub fn of_cut(&self, cut: &Cut) -> Self {
+        let blank = Self { runs: Runs::new([1, 0], |_, _| {}), region_of: Vec::new(), ..*self };
+        blank.drawn(&cut.edges, &cut.points, Label::OUTSIDE)
+    }
+
+    fn drawn(mut self, edges: &[Edge], points: &[DVec3], background: Label) -> Self {
+        let points: Vec<DVec3> = points.iter().map(|&point| point - self.origin).collect();
+        let axes = self.sides.map(|side| side / side.length_squared());
         let mut rows = Rows::new();
-        let is_turned = plane.normal.dot(direction) < 0.0;
-        rows.add(Source::Section, &seen(section.edges(), is_turned), &frame.place(&points));
+        rows.add(Source::Section, edges, &Frame { axes }.place(&points));
         let (first, dims) = rows.extent();
-        let runs = Runs::new([1, dims], |[_, row], runs| {
-            let spans = rows.spans(i64::from(first) + row as i64, section.background());
+        self.first = first;
+        self.runs = Runs::new([1, dims], |[_, row], runs| {
+            let spans = rows.spans(i64::from(first) + row as i64, background);
             runs.extend(spans.into_iter().map(|(label, pixels)| Run {
                 start: pixels.start,
                 end: pixels.end,
                 label,
             }));
         });
-        let region_of = runs.parts(Neighbors::All);
-        let sides = upward.tangents().map(|tangent| pixel * tangent);
-        Self { plane, origin, sides, first, runs, region_of }
+        self.region_of = self.runs.parts(Neighbors::All);
+        self
+    }
+
+    /// The side of a pixel.
+    pub fn pixel(&self) -> f64 {
+        self.sides[0].length()
+    }
+
+    /// The region at a place, as seen along the pixels' direction, and its label.
+    pub fn region_at(&self, place: DVec3) -> Option<(u32, Label)> {
+        let [x, y] = self
+            .sides
+            .map(|side| ((place - self.origin).dot(side) / side.length_squared()).floor() as i64);
+        let row = usize::try_from(y - i64::from(self.first)).ok();
+        let own = self.runs.row(row.filter(|&row| row < self.runs.dims[1])?);
+        let runs = &self.runs.runs[own.clone()];
+        let at = runs.partition_point(|run| i64::from(run.end) <= x);
+        let run = runs.get(at).filter(|run| i64::from(run.start) <= x)?;
+        Some((self.region_of[own.start + at], run.label))
+    }
+
+    /// The pairs of labels that have pixels next to each other, if only at corners.
+    pub fn neighbors(&self) -> BTreeSet<[Label; 2]> {
+        let mut found = BTreeSet::new();
+        for row in 0..self.runs.dims[1] {
+            let own = &self.runs.runs[self.runs.row(row)];
+            let next = match row + 1 < self.runs.dims[1] {
+                true => &self.runs.runs[self.runs.row(row + 1)],
+                false => &[],
+            };
+            for one in own {
+                let others = own.iter().chain(next);
+                let near = others.filter(|other| other.start <= one.end && one.start <= other.end);
+                let different = near.filter(|other| other.label != one.label);
+                found.extend(
+                    different.map(|other| [one.label.min(other.label), one.label.max(other.label)]),
+                );
+            }
+        }
+        found
+    }
+
+    /// What every region has in common with every label of another raster in the same pixels: how
+    /// many of them, and the middle of their longest row.
+    pub fn common(&self, other: &Self) -> BTreeMap<(u32, Label), Common> {
+        let mut found: BTreeMap<(u32, Label), Common> = BTreeMap::new();
+        for row in 0..self.runs.dims[1] {
+            let there = i64::from(self.first) + row as i64 - i64::from(other.first);
+            let there = usize::try_from(there).ok().filter(|&there| there < other.runs.dims[1]);
+            let Some(there) = there else { continue };
+            for own in self.runs.row(row) {
+                let run = self.runs.runs[own];
+                for two in &other.runs.runs[other.runs.row(there)] {
+                    let (start, end) = (run.start.max(two.start), run.end.min(two.end));
+                    if start < end {
+                        let common = found.entry((self.region_of[own], two.label)).or_default();
+                        common.add(end - start, || self.center(row, start.midpoint(end)));
+                    }
+                }
+            }
+        }
+        found
     }
 
     /// The regions, by number.

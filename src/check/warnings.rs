@@ -1,5 +1,6 @@
 //! What a reader should be warned of before trusting a result.
 
+use super::pieces::Tear;
 use super::{Check, LabelCheck, SectionCheck};
 use crate::label::Material;
 use crate::section::Warning;
@@ -15,6 +16,8 @@ pub const BEADS: f64 = 12.0;
 pub const STEEP: f64 = 0.4;
 /// Below this Dice's coefficient a section is not what the surface shows there.
 const POOR: f64 = 0.9;
+/// Below this, in the mean over its sections, a label has vanished but for dust.
+const DUST: f64 = 0.1;
 /// How many places a warning names.
 const NAMED: usize = 3;
 
@@ -22,7 +25,8 @@ impl Check {
     /// What a reader should be warned of, label by label.
     pub fn warnings(&self, materials: &[Material]) -> Vec<Warning> {
         let warn = |label: &LabelCheck| {
-            let found = [beads(label), torn(label), afloat(label)];
+            let found =
+                [beads(label), torn(label), apart(label), out_of_place(label), afloat(label)];
             let name = name(label.label, materials);
             found.into_iter().flatten().map(move |what| Warning {
                 section: String::new(),
@@ -33,19 +37,34 @@ impl Check {
         self.vanished(materials).into_iter().chain(own).chain(self.poor()).collect()
     }
 
-    /// The materials that are drawn and of which nothing came out.
+    /// The materials that are drawn and of which nothing came out, or nothing but dust.
     pub fn vanished(&self, materials: &[Material]) -> Vec<Warning> {
-        let gone = self.labels.iter().filter(|label| label.facts.triangles == 0);
         let warn = |label: &LabelCheck| {
+            let name = name(label.label, materials);
+            if label.facts.triangles > 0 {
+                let mean = self.mean_dice(label.label).filter(|&mean| mean < DUST)?;
+                let what = format!(
+                    "{name} is drawn and next to nothing of it came out (a Dice of {mean:.2} in \
+                     the mean over the sections that show it): is it too thin for {}?",
+                    self.finer()
+                );
+                return Some(Warning { section: String::new(), what });
+            }
             let why = match label.unreached.thin_length {
                 0.0 => "what is around it wins everywhere".to_owned(),
                 _ => format!("it is too thin for {}", self.finer()),
             };
-            let name = name(label.label, materials);
             let what = format!("{name} is drawn and nothing of it came out: {why}");
-            Warning { section: String::new(), what }
+            Some(Warning { section: String::new(), what })
         };
-        gone.map(warn).collect()
+        self.labels.iter().filter_map(warn).collect()
+    }
+
+    /// A label's mean over the sections on which it is, or the result has it.
+    fn mean_dice(&self, label: u32) -> Option<f64> {
+        let sections = self.dice.sections.iter();
+        let own: Vec<f64> = sections.filter_map(|section| *section.labels.get(&label)?).collect();
+        (!own.is_empty()).then(|| own.iter().sum::<f64>() / own.len() as f64)
     }
 
     /// The sections that the surface does not show.
@@ -120,6 +139,44 @@ fn torn(label: &LabelCheck) -> Option<String> {
     })
 }
 
+/// What is in pieces that its sections show in one.
+fn apart(label: &LabelCheck) -> Option<String> {
+    let pieces = label.pieces.as_ref().filter(|pieces| !pieces.torn.is_empty())?;
+    let tear = |tear: &Tear| {
+        let on = match &tear.sections[..] {
+            [one, other] => format!("between sections {one} and {other}"),
+            own => format!("on section {}", own.join(", ")),
+        };
+        format!("{on} near {}", place(tear.at))
+    };
+    let places: Vec<String> = pieces.torn.iter().map(tear).collect();
+    let begin = match (pieces.found, pieces.shown) {
+        (found, shown) if found > shown => {
+            let show = if shown == 1 { "one".to_owned() } else { shown.to_string() };
+            format!("it comes out in {found} pieces where its sections show {show}")
+        }
+        _ => "it is torn where its sections show one piece".to_owned(),
+    };
+    Some(format!("{begin}: it is apart {}", listed(&places, places.len())))
+}
+
+fn out_of_place(label: &LabelCheck) -> Option<String> {
+    let found = &label.pieces.as_ref()?.out_of_place;
+    let own = |tear: &Tear| match &tear.sections[..] {
+        [before, own, after] => format!("{own} (between {before} and {after})"),
+        own => own.join(", "),
+    };
+    let mut sections: Vec<String> = found.iter().map(own).collect();
+    sections.dedup();
+    (!sections.is_empty()).then(|| {
+        format!(
+            "it ends before a section and begins behind it at the same place, and what is drawn on \
+             that one hangs together with neither: is it out of place? Section {}",
+            listed(&sections, sections.len())
+        )
+    })
+}
+
 fn afloat(label: &LabelCheck) -> Option<String> {
     let count = label.afloat.pieces;
     let places: Vec<String> = label.afloat.largest.iter().map(|piece| place(piece.at)).collect();
@@ -168,6 +225,7 @@ mod tests {
     use crate::check::afloat::{Afloat, Piece};
     use crate::check::contour::{Contours, Unreached};
     use crate::check::passage::Passage;
+    use crate::check::pieces::Pieces;
     use crate::check::ripple::Ripple;
     use crate::check::support::Support;
     use crate::mesh::facts::Facts;
@@ -192,6 +250,7 @@ mod tests {
             open_at_box: true,
             cavalieri: None,
             passages: Vec::new(),
+            pieces: None,
             afloat: Afloat::default(),
             ripple: None,
             unreached: Unreached::default(),
@@ -250,6 +309,45 @@ mod tests {
         assert!(
             poor.what.starts_with("2 of 4 sections") && poor.what.contains("0.40 on section 1")
         );
+    }
+
+    #[test]
+    fn dust_is_as_good_as_nothing() {
+        for (dice, is_told) in [(0.02, true), (0.5, false)] {
+            let mut check = check_of(vec![sound()], &[Some(dice), None]);
+            check.dice.sections[0].labels.insert(3, Some(dice));
+            let found = check.vanished(&[]);
+            assert_eq!(!found.is_empty(), is_told, "{found:?}");
+            assert!(found.iter().all(|own| own.what.contains("next to nothing")));
+        }
+    }
+
+    #[test]
+    fn what_is_apart_and_what_is_out_of_place_is_named() {
+        let tear = |names: &[&str]| Tear {
+            sections: names.iter().map(|&name| name.to_owned()).collect(),
+            at: [1.0, 2.0, 3.0],
+        };
+        let with = |found, shown, torn: &[Tear], out_of_place: &[Tear]| LabelCheck {
+            pieces: Some(Pieces {
+                found,
+                shown,
+                torn: torn.to_vec(),
+                out_of_place: out_of_place.to_vec(),
+            }),
+            ..sound()
+        };
+        assert_eq!(apart(&with(2, 2, &[], &[])), None);
+        let what = apart(&with(3, 1, &[tear(&["a"]), tear(&["b", "c"])], &[])).expect("tears");
+        let words = [
+            "in 3 pieces where its sections show one",
+            "on section a near (1, 2, 3)",
+            "between sections b and c",
+        ];
+        assert!(words.iter().all(|word| what.contains(word)), "{what}");
+        let what = out_of_place(&with(3, 3, &[], &[tear(&["a", "b", "c"])])).expect("one");
+        assert!(what.ends_with("Section b (between a and c)"), "{what}");
+        assert_eq!(out_of_place(&sound()), None);
     }
 
     #[test]

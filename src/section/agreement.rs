@@ -51,14 +51,7 @@ impl Sections {
 type Run = Vec<(f64, Label)>;
 
 fn disagreement(a: &Section, b: &Section) -> Option<Disagreement> {
-    let direction = a.plane.unit_normal().cross(b.plane.unit_normal());
-    if direction.length() < 1e-12 {
-        return None; // parallel planes have no common line
-    }
-    let direction = direction.normalize();
-    let origin = a.vertices.first().or(b.vertices.first()).map(|&kept| a.plane.lift(kept))?;
-    let [first, second] =
-        [(a, b), (b, a)].map(|(section, other)| run(section, other, origin, direction));
+    let line = Line::new(a, b)?;
     let mut found = Disagreement {
         sections: [a.name.clone(), b.name.clone()],
         length: 0.0,
@@ -67,7 +60,7 @@ fn disagreement(a: &Section, b: &Section) -> Option<Disagreement> {
         worst_length: 0.0,
         labels: [String::new(), String::new()],
     };
-    for (start, end, labels) in together(&first, &second) {
+    for (start, end, labels) in line.stretches(a, b) {
         let length = end - start;
         if labels.iter().any(|label| label.is_material()) {
             found.occupied += length;
@@ -77,13 +70,55 @@ fn disagreement(a: &Section, b: &Section) -> Option<Disagreement> {
         }
         found.length += length;
         if length > found.worst_length {
-            let middle = foot(a, b, origin) + 0.5 * (start + end) * direction;
-            found.worst = a.plane.lift(a.plane.project(middle)).to_array();
+            found.worst = line.place(a, 0.5 * (start + end)).to_array();
             found.worst_length = length;
             found.labels = labels.map(|label| label.to_string());
         }
     }
     Some(found)
+}
+
+/// Where two sections show one material along their common line: the middle of every stretch, its
+/// length, and the material.
+pub(crate) fn in_common(a: &Section, b: &Section) -> Vec<(DVec3, f64, Label)> {
+    let Some(line) = Line::new(a, b) else { return Vec::new() };
+    let stretches = line.stretches(a, b).into_iter();
+    let same = stretches.filter(|(_, _, labels)| labels[0] == labels[1] && labels[0].is_material());
+    same.map(|(start, end, [label, _])| (line.place(a, 0.5 * (start + end)), end - start, label))
+        .collect()
+}
+
+/// The common line of two planes.
+struct Line {
+    /// Parameters count from the foot of this.
+    origin: DVec3,
+    foot: DVec3,
+    /// Of length one.
+    direction: DVec3,
+}
+
+impl Line {
+    /// `None` where planes are parallel, or nothing is drawn.
+    fn new(a: &Section, b: &Section) -> Option<Self> {
+        let direction = a.plane.unit_normal().cross(b.plane.unit_normal());
+        if direction.length() < 1e-12 {
+            return None;
+        }
+        let origin = a.vertices.first().or(b.vertices.first()).map(|&kept| a.plane.lift(kept))?;
+        Some(Self { origin, foot: foot(a, b, origin), direction: direction.normalize() })
+    }
+
+    /// The bounded pieces on which neither section's label changes, from one parameter to another.
+    fn stretches(&self, a: &Section, b: &Section) -> Vec<(f64, f64, [Label; 2])> {
+        let [first, second] =
+            [(a, b), (b, a)].map(|(own, other)| run(own, other, self.origin, self.direction));
+        together(&first, &second)
+    }
+
+    /// The point at a parameter, on the first plane.
+    fn place(&self, a: &Section, at: f64) -> DVec3 {
+        a.plane.lift(a.plane.project(self.foot + at * self.direction))
+    }
 }
 
 /// The point of the common line of two planes that is nearest to `origin`.

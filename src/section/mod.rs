@@ -34,6 +34,7 @@ use crate::label::{Label, Material};
 use crate::plane::Plane;
 
 pub use agreement::Disagreement;
+pub(crate) use agreement::in_common;
 pub use builder::SectionBuilder;
 pub use ends::End;
 pub(crate) use extent::COVERED;
