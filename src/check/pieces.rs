@@ -1,6 +1,7 @@
 //! Whether a label hangs together as its sections show it.
 //!
-//! A region of a section is one, and should be so in the solid. Two regions of one label on
+//! A region of a section is one, and should be so in the solid; where it is joined in a corner
+//! alone it is two. Two regions of one label on
 //! different sections belong together where their planes cross in both, and where they face each
 //! other: from one of them, across its plane, the next section that knows what is there shows the
 //! other, for more than half of either, and no farther away than it is wide. That is what sections
@@ -109,7 +110,7 @@ impl Scene<'_> {
         let numbered = Numbered::new(self.mesh, labels);
         let raster = |section: &Section| {
             let direction = section.plane().unit_normal();
-            Raster::new(section, direction, self.origin, pixel(section))
+            Raster::new(section, direction, self.origin, pixel(section)).joined_by_sides()
         };
         let rasters: Vec<Raster> = self.sections.par_iter().map(raster).collect();
         let of_section = |(number, raster): (usize, &Raster)| {
@@ -253,7 +254,7 @@ impl Scene<'_> {
     }
 }
 
-fn smaller<'a>([one, other]: [&'a Part; 2]) -> &'a Part {
+fn smaller([one, other]: [&Part; 2]) -> &Part {
     if one.region.pixels <= other.region.pixels { one } else { other }
 }
 

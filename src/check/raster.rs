@@ -102,6 +102,12 @@ impl Raster {
         self
     }
 
+    /// The same with regions that are joined by sides of pixels, and not by corners alone.
+    pub fn joined_by_sides(mut self) -> Self {
+        self.region_of = self.runs.parts(Neighbors::Six);
+        self
+    }
+
     /// The side of a pixel.
     pub fn pixel(&self) -> f64 {
         self.sides[0].length()

@@ -48,7 +48,7 @@ impl Look<'_> {
     fn seen(&self) -> Vec<[[u32; 2]; 2]> {
         let raster = &self.rasters[self.section];
         let regions = raster.regions();
-        let mut passed = vec![0; regions.len()];
+        let mut passed = vec![0u64; regions.len()];
         let mut asked = vec![0u64; regions.len()];
         let mut votes: BTreeMap<[[u32; 2]; 2], u64> = BTreeMap::new();
         let normal = self.sections[self.section].plane().unit_normal();
@@ -56,7 +56,7 @@ impl Look<'_> {
             let own = &regions[region as usize];
             let every = own.pixels.div_ceil(POINTS);
             passed[region as usize] += 1;
-            if passed[region as usize] % every != 0 {
+            if !passed[region as usize].is_multiple_of(every) {
                 continue;
             }
             asked[region as usize] += 1;

@@ -136,12 +136,25 @@ fn far_away_is_not_opposite() {
 
 #[test]
 fn crossing_sections_are_one_body() {
-    // The dumbbell's outline and a cut across its bar, of which the solid has a bead left.
-    let bead = |point: DVec3| balls(point).max(0.09 - point.length());
-    let sections = [outline(), circle(DVec3::X, 0.0, 0.09, "across")];
+    // A bar cut along and across, of which the solid has a bead left between two ends.
+    let bar = |point: DVec3| 0.12 - point.y.hypot(point.z);
+    let ends = |point: DVec3| bar(point).min(point.x.abs() - 0.3).min(0.8 - point.x.abs());
+    let bead = |point: DVec3| ends(point).max(bar(point).min(0.12 - point.x.abs()));
+    let plane = Plane { normal: DVec3::Z, offset: 0.0 };
+    let [first, second] = plane.tangents();
+    let corners = [[-0.8, -0.12], [0.8, -0.12], [0.8, 0.12], [-0.8, 0.12]];
+    let along = corners.map(|[x, y]| {
+        let corner = DVec3::new(x, y, 0.0);
+        DVec2::new(first.dot(corner), second.dot(corner))
+    });
+    let along = named(section(plane, &along, Label(1)), "along");
+    let sections = [along, circle(DVec3::X, 0.0, 0.12, "across")];
     let torn = found(bead, &sections);
-    assert!(torn.torn.iter().all(|tear| tear.sections == ["flat"]), "{torn:?}");
-    assert_eq!((torn.shown, torn.torn.len()), (1, 1), "{torn:?}");
+    assert_eq!((torn.found, torn.shown, torn.torn.len()), (3, 1, 1), "{torn:?}");
+    assert_eq!(torn.torn[0].sections, ["along"]);
+    // Where the bead is gone it is the one along that says so, the other has nothing in the solid.
+    let gone = found(ends, &sections);
+    assert_eq!((gone.found, gone.shown, gone.torn.len()), (2, 1, 1), "{gone:?}");
 }
 
 #[test]
