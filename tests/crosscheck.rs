@@ -117,7 +117,7 @@ fn the_variational_field_is_held_against_the_skeleton_where_asked_for() {
     // Measured: 0.9869, and 0.9902 at the sections, where both say what these say.
     assert!(report["agreement"]["share"].as_f64() > Some(0.985), "{}", report["agreement"]);
     let nearest = &report["agreement"]["bins"][0];
-    assert!(nearest["share"].as_f64() > Some(0.989), "{nearest}");
+    assert!(nearest["share"].as_f64() > Some(0.99), "{nearest}");
     assert!(report["pairing"]["cells"].as_u64() > Some(0), "{}", report["pairing"]);
     assert!(stderr(&output).contains("known of --method mvc alone"), "{}", stderr(&output));
 }
