@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use crate::derived::{Faces, bounds_of};
+use crate::bounding::{Faces, bounds_of};
 use crate::error::Result;
 use crate::grid::lattice::Resolution;
 use crate::grid::samples::Lattice;

@@ -5,12 +5,12 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use crate::bounding::{bordered, frame};
 use crate::capping::Capping;
 use crate::complex::Complex;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::field::{self, Boundaries, Evaluator, hermite};
 use crate::grid::frame::Frame;
-use crate::grid::lattice::Resolution;
 use crate::grid::memory::require_memory;
 use crate::grid::samples::{Lattice, Samples};
 use crate::grid::sampling::{Margin, Starts, sample, sample_again};
@@ -29,8 +29,7 @@ use crate::model::Options;
 use crate::oracle::Oracle;
 use crate::plane::{Bounds, Plane};
 use crate::progress::Progress;
-use crate::section::ends::stopped;
-use crate::section::{Section, Sections, reach};
+use crate::section::{Section, Sections};
 use crate::skeleton::{Details, Kept as KeptSurfaces};
 use crate::stack::{Links, Stacked, stacked};
 use crate::stage::Stages;
@@ -52,9 +51,6 @@ const FAIRING_STEPS: u32 = 400;
 
 /// Where what is drawn is smaller in the box, lengths are chosen as if it were such a part of it.
 const MOST_SPANS: f64 = 8.0;
-
-/// Of a given box: products of three are still numbers.
-const LARGEST_COORDINATE: f64 = 1e75;
 
 /// What a method keeps for the next change.
 #[derive(Debug, Default)]
@@ -129,103 +125,6 @@ impl Derived {
                 (Cow::Owned(self.samples.moved(by, lattice)), Cow::Owned(self.blocks.moved(by)))
             }
         })
-    }
-}
-
-/// What the faces of a box that follows from the sections say.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Faces {
-    /// That all is outside: they are kept away from contours.
-    Outside,
-    /// Nothing.
-    Silent,
-}
-
-/// The box in which the surface closes, or which it may leave; so far beyond the contours if a
-/// margin is given.
-///
-/// # Errors
-/// When there is no contour, or nothing known at all, or for a margin that is no length.
-pub(crate) fn bounds_of(sections: &Sections, margin: Option<f64>, faces: Faces) -> Result<Bounds> {
-    sections.require_known()?;
-    let space = match margin {
-        None if faces == Faces::Outside => sections.space_of_cells(),
-        None => sections.space(),
-        Some(margin) if margin > 0.0 && margin < LARGEST_COORDINATE => {
-            reach::bounds(&sections.sections).map(|around| around.grown(margin))
-        }
-        Some(margin) => {
-            let what = format!("the box's margin must be a positive length, not {margin}");
-            return Err(Error::Option(what));
-        }
-    };
-    let what = "there is nothing to reconstruct: no section has a contour";
-    space.ok_or_else(|| Error::Option(what.to_owned()))
-}
-
-/// The given box.
-///
-/// # Errors
-/// When it has no size that can be squared, when a contour leaves it, when a section lies in
-/// one of its faces, where nothing is on its other side, or as [`bounds_of`].
-fn require_within(sections: &Sections, bounds: Bounds) -> Result<Bounds> {
-    bounds_of(sections, None, Faces::Silent)?;
-    let Bounds { min, max } = bounds;
-    let is_finite = min.is_finite() && max.is_finite();
-    if !is_finite || min.abs().max(max.abs()).max_element() > LARGEST_COORDINATE {
-        let what = format!(
-            "the box from {min} to {max}: coordinates must be finite and below \
-             {LARGEST_COORDINATE:e}"
-        );
-        return Err(Error::Option(what));
-    }
-    for section in &sections.sections {
-        let points = || section.segments().flatten();
-        let is_in_face = (0..3).any(|axis| {
-            [min, max].iter().any(|end| points().all(|point| point[axis] == end[axis]))
-        });
-        let what = if points().any(|point| point.clamp(min, max) != point) {
-            "leaves"
-        } else if is_in_face && points().next().is_some() {
-            "lies in a face of"
-        } else {
-            continue;
-        };
-        return Err(Error::Section {
-            section: section.name().to_owned(),
-            what: format!("it {what} the box from {min} to {max}: choose a larger box"),
-        });
-    }
-    Ok(bounds)
-}
-
-/// The box, given or that of the sections, and the grid over it. That of an open box ends on its
-/// faces, and the exact surface has none.
-///
-/// # Errors
-/// As [`require_within`], [`bounds_of`] and [`Lattice::new`](crate::grid::samples::Lattice::new).
-fn frame(sections: &Sections, options: &Options) -> Result<Frame> {
-    let border = match options.method {
-        Method::Variational(Variational { border, .. }) => Some(border),
-        Method::MeanValue(MeanValue { border, .. }) => Some(border),
-        Method::Hermite(Hermite { border, .. }) => Some(border),
-        Method::Stack(_) => Some(Label::OUTSIDE),
-        Method::Skeleton(_) => None,
-    };
-    if let Some(bounds) = options.bounds {
-        return Frame::new(require_within(sections, bounds)?, options.resolution);
-    }
-    let is_outside = matches!(
-        options.method,
-        Method::MeanValue(MeanValue { border: Label::OUTSIDE, .. })
-            | Method::Hermite(Hermite { border: Label::OUTSIDE, .. })
-            | Method::Skeleton(_)
-    );
-    let faces = if is_outside { Faces::Outside } else { Faces::Silent };
-    let bounds = bounds_of(sections, options.margin, faces)?;
-    match (options.resolution, border) {
-        (Resolution::VoxelSize(voxel), Some(Label::OUTSIDE)) => Frame::fixed(bounds, voxel),
-        (resolution, _) => Frame::new(bounds, resolution),
     }
 }
 
@@ -607,18 +506,6 @@ impl Ground<'_> {
             Ok((mesh, if self.keeps { blocks } else { KeptBlocks::default() }))
         })
     }
-}
-
-/// The sections that the cells of a box lie between: in a closed one what stops them, too.
-///
-/// # Errors
-/// As [`stopped`].
-pub(crate) fn bordered(
-    sections: &[Section],
-    bounds: Bounds,
-    border: Label,
-) -> Result<Cow<'_, [Section]>> {
-    if border == Label::OUTSIDE { stopped(sections, bounds) } else { Ok(Cow::from(sections)) }
 }
 
 /// The cells between sections, as a stage of its own.

@@ -77,6 +77,7 @@
 //! The modules say more: what a stage makes, files of every kind ([`io`]), measures
 //! ([`check`](mod@check), [`compare`](mod@compare)), the other ways from sections to a surface.
 
+mod bounding;
 mod capping;
 pub mod change;
 pub mod check;

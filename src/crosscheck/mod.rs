@@ -35,9 +35,9 @@ pub use parts::positions;
 pub use report::{Crosscheck, Distances, Found, SkeletonReport};
 pub use solids::{LabelSolids, Solid};
 
+use crate::bounding::{Faces, bounds_of};
 use crate::change::Change;
 use crate::context::Context;
-use crate::derived::{Faces, bounds_of};
 use crate::error::{Error, Result};
 use crate::field::Device;
 use crate::grid::lattice::Resolution;
