@@ -8,6 +8,8 @@ use glam::DVec3;
 
 use transect::label::{Label, Material};
 
+use crate::bodies::{blend, ellipsoid, rod};
+
 /// Number, name and colour, and a function that is negative inside.
 type Organ = (u32, &'static str, [u8; 3], fn(DVec3) -> f64);
 
@@ -34,28 +36,6 @@ pub fn label_at(place: DVec3) -> Label {
         .iter()
         .find(|(_, _, _, inside)| inside(place) < 0.0)
         .map_or(Label::OUTSIDE, |&(id, ..)| Label(id))
-}
-
-/// Negative inside an ellipsoid; about a distance near its surface.
-fn ellipsoid(place: DVec3, center: [f64; 3], radii: [f64; 3]) -> f64 {
-    let radii = DVec3::from(radii);
-    let scaled = (place - DVec3::from(center)) / radii;
-    let (distance, slope) = (scaled.length(), (scaled / radii).length());
-    if slope > 0.0 { distance * (distance - 1.0) / slope } else { -radii.min_element() }
-}
-
-/// The distance to a rod with round ends.
-fn rod(place: DVec3, from: [f64; 3], to: [f64; 3], radius: f64) -> f64 {
-    let (from, to) = (DVec3::from(from), DVec3::from(to));
-    let axis = to - from;
-    let part = ((place - from).dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
-    (place - from - part * axis).length() - radius
-}
-
-/// The union of two bodies with a fillet of about this size.
-fn blend(one: f64, other: f64, fillet: f64) -> f64 {
-    let overlap = (fillet - (one - other).abs()).max(0.0) / fillet;
-    one.min(other) - overlap * overlap * fillet / 4.0
 }
 
 /// A trunk that forks below, with a branch that runs into the liver.

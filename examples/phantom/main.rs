@@ -9,6 +9,7 @@
 //! `cargo run --release --example phantom [FILE]`
 
 mod anatomy;
+mod bodies;
 mod contours;
 mod planes;
 mod simplify;

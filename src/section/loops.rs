@@ -18,8 +18,8 @@ impl Section {
     /// A section from closed loops.
     ///
     /// A point's label is that of the outer loop that covers it by the even-odd
-    /// rule, holes taken away; a hole within a hole of the same loop is an island of it. Loops may touch themselves and each other, and what
-    /// nearly touches does ([`Rules::snapping`]). Where there are loops and none encloses
+    /// rule, holes taken away; a hole within a hole of the same loop is an island of it. Loops
+    /// may touch themselves and each other, and what nearly touches does ([`Rules::snapping`]). Where there are loops and none encloses
     /// anything, all is unknown.
     ///
     /// # Errors

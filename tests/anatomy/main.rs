@@ -3,6 +3,8 @@
 //!
 //! `cargo test --release --test anatomy -- --ignored`
 
+#[path = "../../examples/phantom/bodies.rs"]
+mod bodies;
 #[path = "../../examples/phantom/contours.rs"]
 mod contours;
 mod files;

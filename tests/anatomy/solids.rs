@@ -7,6 +7,8 @@ use glam::DVec3;
 
 use transect::label::{Label, Material};
 
+use crate::bodies::{blend, ellipsoid, rod};
+
 /// A solid of one or more labels.
 pub struct Solid {
     /// Its files are named after it.
@@ -70,26 +72,6 @@ pub fn without_bumps(place: DVec3, height: f64, phase: f64) -> DVec3 {
         + 0.5
             * height
             * DVec3::new(bump(place.y, place.z), bump(place.z, place.x), bump(place.x, place.y))
-}
-
-fn ellipsoid(place: DVec3, center: [f64; 3], radii: [f64; 3]) -> f64 {
-    let radii = DVec3::from(radii);
-    let scaled = (place - DVec3::from(center)) / radii;
-    let (distance, slope) = (scaled.length(), (scaled / radii).length());
-    if slope > 0.0 { distance * (distance - 1.0) / slope } else { -radii.min_element() }
-}
-
-fn rod(place: DVec3, from: [f64; 3], to: [f64; 3], radius: f64) -> f64 {
-    let (from, to) = (DVec3::from(from), DVec3::from(to));
-    let axis = to - from;
-    let part = ((place - from).dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
-    (place - from - part * axis).length() - radius
-}
-
-/// The union of two bodies with a fillet of about this size.
-fn blend(one: f64, other: f64, fillet: f64) -> f64 {
-    let overlap = (fillet - (one - other).abs()).max(0.0) / fillet;
-    one.min(other) - overlap * overlap * fillet / 4.0
 }
 
 /// Rods from point to point.
