@@ -200,6 +200,11 @@ void remove(Volumes& volumes, rust::Str name) {
   all.erase(std::find(all.begin(), all.end(), volumes.grids->find(name)));
 }
 
+void adopt(Volumes& volumes, const Volumes& others) {
+  const auto& more = others.grids->all;
+  volumes.grids->all.insert(volumes.grids->all.end(), more.begin(), more.end());
+}
+
 void add_fog(Volumes& volumes, rust::Str from, rust::Str name) {
   FloatGrid::Ptr fog = volumes.grids->find_float(from)->deepCopy();
   openvdb::tools::sdfToFogVolume(*fog);

@@ -24,6 +24,7 @@ void add_level_set(Volumes& volumes, rust::Str name, double half_width,
                    rust::Slice<const int32_t> leaves, rust::Slice<const float> values);
 void add_alias(Volumes& volumes, rust::Str from, rust::Str name);
 void remove(Volumes& volumes, rust::Str name);
+void adopt(Volumes& volumes, const Volumes& others);
 void add_fog(Volumes& volumes, rust::Str from, rust::Str name);
 void add_numbers(Volumes& volumes, rust::Str name, rust::Slice<const int32_t> leaves,
                  rust::Slice<const int32_t> values, rust::Slice<const int32_t> tiles,

@@ -104,6 +104,9 @@ pub enum Remedy {
     UnknownLabel,
     /// An [`ImageRules::spacing`](crate::section::ImageRules).
     ImageSpacing,
+    /// One structure alone, or all made to exclude each other
+    /// ([`Chosen`](crate::io::structures::Chosen)).
+    Structures,
     /// Other [`VdbContents::grids`](crate::io::vdb::VdbContents).
     OtherGrids,
 }
@@ -119,6 +122,7 @@ impl fmt::Display for Remedy {
             Self::Overlap => ", or say who wins",
             Self::UnknownLabel => "; give another label that means unknown, or none",
             Self::ImageSpacing => "; give the spacing",
+            Self::Structures => ": choose one structure, or let them exclude each other",
             Self::OtherGrids => ", or leave the grid out",
         })
     }

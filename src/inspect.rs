@@ -22,6 +22,9 @@ const SHOWN: usize = 20;
 pub struct Inspection {
     /// The files.
     pub files: Vec<String>,
+    /// How many structures may overlap, each with sections of its own; 1 where labels exclude each
+    /// other.
+    pub layers: usize,
     /// How many sections there are.
     pub sections: usize,
     /// The unit of length; empty when unknown.
@@ -113,6 +116,7 @@ pub fn inspect(sections: &Sections) -> Result<Inspection> {
     let bounds = sections.bounds();
     Ok(Inspection {
         files: sections.files.iter().map(|file| file.display().to_string()).collect(),
+        layers: 1,
         sections: sections.sections.len(),
         units: sections.units.clone(),
         frame: sections.frame.clone(),
@@ -207,7 +211,9 @@ fn orientations(sections: &[Section]) -> Vec<Orientation> {
 
 fn orientation(normal: DVec3, mut members: Vec<(f64, String)>) -> Orientation {
     members.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let gaps: Vec<f64> = members.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+    // Layers have sections on the same planes.
+    let gaps = members.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    let gaps: Vec<f64> = gaps.filter(|&gap| gap > 0.0).collect();
     let spacing = (!gaps.is_empty()).then(|| {
         let smallest = gaps.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = gaps.iter().copied().fold(0.0, f64::max);
@@ -242,7 +248,14 @@ impl Inspection {
     fn write_summary(&self, f: &mut Lines) -> fmt::Result {
         let or_unknown = |text: &str| if text.is_empty() { "unknown" } else { text }.to_owned();
         writeln!(f, "files         {}", self.files.join(", "))?;
-        writeln!(f, "sections      {}", self.sections)?;
+        match self.layers {
+            1 => writeln!(f, "sections      {}", self.sections)?,
+            layers => writeln!(
+                f,
+                "sections      {}, of {layers} structures that may overlap: each is a solid of its own",
+                self.sections
+            )?,
+        }
         writeln!(f, "vertices      {}, edges {}", self.vertices, self.edges)?;
         writeln!(f, "loops         {}, {} of them holes", self.loops, self.holes)?;
         if let Some([min, max]) = self.bounds {

@@ -98,6 +98,7 @@ pub mod inspect;
 pub mod io;
 pub mod label;
 pub mod label_image;
+pub mod layers;
 mod living;
 pub mod mask;
 mod memory;

@@ -189,6 +189,11 @@ impl Model {
         Ok(())
     }
 
+    /// Lets go of all that is kept for the next change alone.
+    pub(crate) fn forget(&mut self) {
+        self.lasting = Mutex::default();
+    }
+
     /// The sections as they were given, each by its number.
     pub fn given(&self) -> impl Iterator<Item = (SectionId, &Section)> {
         self.given.iter()

@@ -6,6 +6,7 @@ use serde::Serialize;
 use crate::check::Check;
 use crate::choice::Choice;
 use crate::ffi::measure::library_versions;
+use crate::layers::LayerReport;
 use crate::mesh::decimation::Outcome;
 use crate::model::{Derived, Model};
 use crate::section::{Disagreement, Warning};
@@ -38,6 +39,9 @@ pub struct Report {
     /// The method that was chosen and why, where that was left to the program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choice: Option<Choice>,
+    /// The layers, where structures that may overlap were reconstructed one by one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<LayerReport>,
     /// What evaluated the field.
     pub device: String,
     /// The grid's nodes along each axis.
@@ -86,6 +90,7 @@ impl Report {
             frame: sections.frame.clone(),
             materials: sections.materials.clone(),
             choice: None,
+            layers: Vec::new(),
             device: derived.device.clone(),
             nodes: derived.samples.lattice.dims,
             voxel: derived.samples.lattice.voxel,

@@ -337,9 +337,16 @@ fn agreement(
             }
         })
         .collect();
-    let all: Vec<f64> = sections.iter().filter_map(|section| section.dice).collect();
-    let mean = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
-    Agreement { mean, min: all.iter().copied().reduce(f64::min), sections }
+    Agreement::new(sections)
+}
+
+impl Agreement {
+    /// Of sections that were compared.
+    pub(crate) fn new(sections: Vec<SectionCheck>) -> Self {
+        let all: Vec<f64> = sections.iter().filter_map(|section| section.dice).collect();
+        let mean = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
+        Self { mean, min: all.iter().copied().reduce(f64::min), sections }
+    }
 }
 
 #[cfg(test)]

@@ -31,6 +31,9 @@ fn option(remedy: Remedy) -> &'static str {
             "; give it in world units with --spacing-xyz DX,DY,DZ, or DZ alone where pictures say \
              the rest"
         }
+        Remedy::Structures => {
+            ": choose one with --structures NAME, or let them exclude each other with --partition"
+        }
         Remedy::OtherGrids => ", or leave the grid out of --grids",
     }
 }

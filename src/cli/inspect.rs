@@ -3,10 +3,10 @@
 use super::args::InspectArguments;
 use super::print;
 use crate::error::Result;
-use crate::inspect::inspect;
+use crate::layers::inspect_layers;
 
 /// Reads, looks and prints.
 pub fn run(arguments: &InspectArguments) -> Result<()> {
-    let sections = arguments.input.read()?;
-    print(arguments.json, &inspect(&sections)?, ToString::to_string)
+    let layers = arguments.input.read_layers()?;
+    print(arguments.json, &inspect_layers(&layers)?, ToString::to_string)
 }

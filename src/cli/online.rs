@@ -229,7 +229,7 @@ impl<'a> Online<'a> {
         let model = self.session.model();
         match &self.frames {
             Some(frames) if model.derived().is_some() => {
-                let results = Results::new(model, &self.grids, PictureOptions::default())?;
+                let results = Results::new([model], &self.grids, PictureOptions::default())?;
                 frames.write(self.session.changes(), &results).map(Some)
             }
             _ => Ok(None),
@@ -266,7 +266,7 @@ impl<'a> Online<'a> {
             true => picture_options(&self.arguments.picture, materials)?,
             false => PictureOptions::default(),
         };
-        let results = Results::new(model, &self.grids, picture)?;
+        let results = Results::new([model], &self.grids, picture)?;
         for target in targets {
             let files = target.files(materials)?;
             files.iter().try_for_each(|(path, _)| outputs.add(path))?;
@@ -281,7 +281,8 @@ impl<'a> Online<'a> {
         for target in targets {
             stages.run(target.kind.stage(), |_| results.write(outputs, target))?;
         }
-        Ok(Report::new(model, results.derived(), checked, stages))
+        let nothing = || Error::Option("there is nothing to report: no section is left".to_owned());
+        model.report(checked, stages).ok_or_else(nothing)
     }
 
     /// What is asked for at the end.

@@ -1,21 +1,23 @@
 //! `transect reconstruct`: sections in, volumes, surfaces, pictures and a
 //! report out.
 
+use std::path::Path;
+
 use super::args::{PictureArguments, ReconstructArguments};
 use super::bars::Watcher;
 use super::method::{asked, chosen};
 use super::results::{Results, picture_options};
 use super::targets::{Kind, Target};
 use super::{print_found, print_warnings, table, tell_shortened, write_json};
-use crate::change::Change;
 use crate::choice::choose;
 use crate::context::Context;
 use crate::error::{Error, Remedy, Result};
 use crate::io::exact::write_exact;
 use crate::io::vdb::require_grids;
-use crate::model::{Model, Options};
+use crate::layers::{self, Layer};
+use crate::model::Options;
 use crate::output::{Outputs, write_error};
-use crate::report::Report;
+use crate::section::Sections;
 use crate::skeleton::Details;
 
 /// Reconstructs and writes.
@@ -34,40 +36,46 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
 
     let watcher = Watcher::new(arguments.quiet);
     let mut context = Context::new(arguments.input.reading.rules(), watcher.progress());
-    let sections = context.stages.run("read", |counts| {
-        let sections = arguments.input.read()?;
-        let vertices: usize = sections.sections.iter().map(|one| one.vertices().len()).sum();
+    let layers = context.stages.run("read", |counts| {
+        let layers = arguments.input.read_layers()?;
+        let sections = layers.iter().flat_map(|layer| &layer.sections);
+        let vertices: usize = sections.map(|one| one.vertices().len()).sum();
         counts.insert("vertices".into(), vertices as u64);
-        Ok(sections)
+        Ok(layers)
     })?;
+    let all = Sections::side_by_side(&layers);
     if !arguments.quiet {
-        print_warnings(&sections);
+        print_warnings(&all);
     }
     for target in targets.iter().filter(|target| target.is_pattern()) {
-        let files = target.files(&sections.materials)?;
+        let files = target.files(&all.materials)?;
         files.iter().try_for_each(|(path, _)| outputs.add(path))?;
     }
     if targets.iter().any(|target| target.kind == Kind::Vdb) {
-        require_grids(&grids, &sections.materials)?;
+        require_grids(&grids, &all.materials)?;
     }
-    let picture = picture_options(&arguments.picture, &sections.materials)?;
-    let (method, choice) = match asked {
-        Some(asked) => asked,
-        None => chosen(&arguments.method, false, choose(&sections, resolution)?)?,
-    };
-    if let Some(choice) = choice.as_ref().filter(|_| !arguments.quiet) {
-        let reasons = choice.reasons.join(" and ");
-        tell_shortened(&format!("method: {}, because {reasons}", choice.method.name()));
+    let picture = picture_options(&arguments.picture, &all.materials)?;
+    let mut made: Vec<Layer> = Vec::with_capacity(layers.len());
+    for sections in layers {
+        let (method, choice) = match asked.clone() {
+            Some(asked) => asked,
+            None => chosen(&arguments.method, false, choose(&sections, resolution)?)?,
+        };
+        if let Some(choice) = choice.as_ref().filter(|_| !arguments.quiet) {
+            let reasons = choice.reasons.join(" and ");
+            tell_shortened(&format!("method: {}, because {reasons}", choice.method.name()));
+        }
+        let options = Options { method, resolution, bounds: None, margin, decimation };
+        let layer = Layer::new(sections, options, choice, &mut context)?;
+        let materials = &layer.model.sections().materials;
+        if let Some(gone) = layer.check.vanished(materials).into_iter().next()
+            && arguments.input.reading.strict
+        {
+            return Err(Error::Option(gone.what).avoidable(Remedy::NotStrict));
+        }
+        made.push(layer);
     }
-    let mut model = Model::new(Options { method, resolution, bounds: None, margin, decimation });
-    model.apply(Change::Add(sections), &mut context)?;
-    let results = Results::new(&model, &grids, picture)?;
-    let checked = model.check(&mut context)?;
-    if let Some(gone) = checked.vanished(&model.sections().materials).into_iter().next()
-        && arguments.input.reading.strict
-    {
-        return Err(Error::Option(gone.what).avoidable(Remedy::NotStrict));
-    }
+    let results = Results::new(made.iter().map(|layer| &layer.model), &grids, picture)?;
     let Context { mut stages, progress, .. } = context;
     for target in &targets {
         let stage = target.kind.stage();
@@ -76,16 +84,11 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
             results.write(&mut outputs, target)
         })?;
     }
-    let derived = results.derived();
-    if let (Some(path), Some(details)) = (&arguments.exact, &derived.exact) {
-        require_exact(details)?;
-        stages.run("exact", |_| {
-            outputs.write(path, |out| {
-                write_exact(&derived.mesh, details, out).map_err(|error| write_error(path, &error))
-            })
-        })?;
+    if let Some(path) = &arguments.exact {
+        stages.run("exact", |_| write_exact_of(&made, &mut outputs, path))?;
     }
-    let report = Report { choice, ..Report::new(&model, derived, checked, &stages) };
+    drop(results);
+    let report = layers::report(made, &stages)?;
     if let Some(path) = &arguments.report {
         outputs.write(path, |out| write_json(path, &report, out))?;
     }
@@ -96,6 +99,24 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         table::print(&report);
     }
     Ok(())
+}
+
+/// Writes the exact surface, of one layer alone.
+fn write_exact_of(layers: &[Layer], outputs: &mut Outputs, path: &Path) -> Result<()> {
+    let [Layer { model, .. }] = layers else {
+        let what = "--exact writes one surface, and here are several structures: choose one with \
+                    --structures NAME, or let them exclude each other with --partition";
+        return Err(Error::Option(what.to_owned()));
+    };
+    let Some((derived, details)) =
+        model.derived().and_then(|derived| Some((derived, derived.exact.as_ref()?)))
+    else {
+        return Ok(());
+    };
+    require_exact(details)?;
+    outputs.write(path, |out| {
+        write_exact(&derived.mesh, details, out).map_err(|error| write_error(path, &error))
+    })
 }
 
 /// Exact coordinates are of an exact surface alone.

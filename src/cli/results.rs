@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::label::{Label, Material};
+use crate::layers::meshes_side_by_side;
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::model::{Derived, Model};
@@ -21,33 +22,41 @@ const LISTED: usize = 20;
 
 /// What there is to write.
 pub struct Results<'a> {
-    model: &'a Model,
-    derived: &'a Derived,
-    /// The network as it goes to files: without caps where the box is open.
+    /// Of each layer the model and what follows from its sections.
+    layers: Vec<(&'a Model, &'a Derived)>,
+    /// The sections of all layers.
+    sections: Cow<'a, Sections>,
+    /// The network as it goes to files, without caps where the box is open; of several layers
+    /// side by side.
     surfaces: Cow<'a, Mesh>,
     grids: &'a [GridName],
     picture: PictureOptions,
 }
 
 impl<'a> Results<'a> {
-    /// What a model has to write.
+    /// What models have to write: one, or one for each layer.
     ///
     /// # Errors
-    /// When it has no sections.
-    pub fn new(model: &'a Model, grids: &'a [GridName], picture: PictureOptions) -> Result<Self> {
+    /// When one has no sections.
+    pub fn new(
+        models: impl IntoIterator<Item = &'a Model>,
+        grids: &'a [GridName],
+        picture: PictureOptions,
+    ) -> Result<Self> {
         let nothing = || Error::Option("there is nothing to write: no section is left".to_owned());
-        let derived = model.derived().ok_or_else(nothing)?;
-        let tolerance = CAP_TOLERANCE * derived.samples.lattice.voxel;
-        let surfaces = match model.open() {
-            Some(bounds) => Cow::Owned(derived.mesh.without_caps(bounds, tolerance)),
-            None => Cow::Borrowed(&derived.mesh),
+        let of = |model: &'a Model| Ok((model, model.derived().ok_or_else(nothing)?));
+        let layers = models.into_iter().map(of).collect::<Result<Vec<_>>>()?;
+        let (sections, surfaces) = match layers[..] {
+            [(model, derived)] => (Cow::Borrowed(model.sections()), surfaces(model, derived)),
+            _ => {
+                let sections = layers.iter().map(|(model, _)| model.sections());
+                let surfaces: Vec<Cow<Mesh>> =
+                    layers.iter().map(|&(model, derived)| surfaces(model, derived)).collect();
+                let surfaces = meshes_side_by_side(surfaces.iter().map(Cow::as_ref));
+                (Cow::Owned(Sections::side_by_side(sections)), Cow::Owned(surfaces))
+            }
         };
-        Ok(Self { model, derived, surfaces, grids, picture })
-    }
-
-    /// What follows from the sections.
-    pub fn derived(&self) -> &'a Derived {
-        self.derived
+        Ok(Self { layers, sections, surfaces, grids, picture })
     }
 
     /// Writes the files of a target, which are reserved.
@@ -55,7 +64,7 @@ impl<'a> Results<'a> {
     /// # Errors
     /// When a file cannot be made or written.
     pub fn write(&self, outputs: &mut Outputs, target: &Target) -> Result<()> {
-        let sections = self.model.sections();
+        let sections = self.sections.as_ref();
         for (path, label) in target.files(&sections.materials)? {
             match (target.kind, label) {
                 (Kind::Mesh(kind), None) => {
@@ -77,19 +86,30 @@ impl<'a> Results<'a> {
     }
 
     fn write_volumes(&self, outputs: &mut Outputs, path: &Path) -> Result<()> {
-        let Derived { samples, mesh, .. } = self.derived;
-        let Sections { sections, materials, units, frame, .. } = self.model.sections();
-        let (lattice, grids) = (&samples.lattice, self.grids);
-        let contents =
-            VdbContents { lattice, mesh, samples, sections, materials, units, frame, grids };
-        outputs.write_at(path, |temporary| vdb::write(temporary, &contents))
+        let contents = self.layers.iter().map(|(model, derived)| {
+            let Derived { samples, mesh, .. } = derived;
+            let Sections { sections, materials, units, frame, .. } = model.sections();
+            let (lattice, grids) = (&samples.lattice, self.grids);
+            VdbContents { lattice, mesh, samples, sections, materials, units, frame, grids }
+        });
+        let contents: Vec<VdbContents> = contents.collect();
+        outputs.write_at(path, |temporary| vdb::write_layers(temporary, &contents))
     }
 
     fn write_picture(&self, outputs: &mut Outputs, path: &Path) -> Result<()> {
-        let image = picture::render(&self.surfaces, self.model.sections(), &self.picture);
+        let image = picture::render(&self.surfaces, &self.sections, &self.picture);
         outputs.write(path, |out| {
             picture::write_png(&image, out).map_err(|error| write_error(path, &error))
         })
+    }
+}
+
+/// A model's network as it goes to files.
+fn surfaces<'a>(model: &'a Model, derived: &'a Derived) -> Cow<'a, Mesh> {
+    let tolerance = CAP_TOLERANCE * derived.samples.lattice.voxel;
+    match model.open() {
+        Some(bounds) => Cow::Owned(derived.mesh.without_caps(bounds, tolerance)),
+        None => Cow::Borrowed(&derived.mesh),
     }
 }
 

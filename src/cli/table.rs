@@ -37,11 +37,30 @@ pub fn print(report: &Report) {
 fn write_report(out: &mut Lines, report: &Report) -> std::fmt::Result {
     let by = if report.exact.is_some() { "" } else { "field on " };
     let by = format!("{by}{}", report.device);
-    write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &by)?;
+    match report.layers[..] {
+        [] => write_grid(out, report.sections, report.nodes, report.voxel, &report.units, &by)?,
+        _ => write_grids(out, report, &by)?,
+    }
     writeln!(out)?;
     write_labels(out, report)?;
     write_agreement(out, report)?;
     write_stages(out, &report.stages, report.seconds, report.peak_memory)
+}
+
+/// Each of several structures has a grid of its own.
+fn write_grids(out: &mut Lines, report: &Report, by: &str) -> std::fmt::Result {
+    let voxels = report.layers.iter().map(|layer| layer.voxel);
+    let [least, most] =
+        voxels.fold([f64::INFINITY, 0.0f64], |[low, high], own| [low.min(own), high.max(own)]);
+    writeln!(
+        out,
+        "{} sections of {} structures, each on a grid of its own, voxels {} to {} {}, {by}",
+        report.sections,
+        report.layers.len(),
+        number(least),
+        number(most),
+        report.units
+    )
 }
 
 fn write_grid(

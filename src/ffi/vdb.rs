@@ -45,6 +45,9 @@ mod bridge {
         /// Takes a grid away.
         fn remove(volumes: Pin<&mut Volumes>, name: &str) -> Result<()>;
 
+        /// Adds all grids of others, whose nodes may be elsewhere.
+        fn adopt(volumes: Pin<&mut Volumes>, others: &Volumes) -> Result<()>;
+
         /// Adds the fog volume of the level set `from`.
         fn add_fog(volumes: Pin<&mut Volumes>, from: &str, name: &str) -> Result<()>;
 

@@ -2,6 +2,7 @@
 
 pub mod contour;
 pub mod csl;
+pub mod dicom;
 pub mod exact;
 pub mod images;
 pub mod json;
@@ -12,6 +13,7 @@ pub mod obj;
 pub mod off;
 pub mod ply;
 pub mod stl;
+pub mod structures;
 mod text;
 pub mod vdb;
 pub mod volume;
@@ -29,11 +31,14 @@ use crate::memory;
 use crate::plane::{Bounds, Plane};
 use crate::section::{Findings, Rules, Section, Sections, Warning};
 
+use structures::Chosen;
+
 pub use mesh::{read_mesh, write_mesh};
 
 /// The kinds of files that sections are read from.
-pub const KINDS: &str = ".csl, .contour, .json, volumes of labels (.nrrd, .nhdr, .nii, .nii.gz) \
-                         and pictures (.png, .tif, .tiff, a folder of them)";
+pub const KINDS: &str = ".csl, .contour, .json, DICOM structure sets (.dcm), volumes of labels \
+                         (.nrrd, .nhdr, .nii, .nii.gz) and pictures (.png, .tif, .tiff, a folder of \
+                         them)";
 
 /// Reads the sections of a file, its kind given by the ending of its name.
 ///
@@ -55,10 +60,67 @@ pub fn read_part(path: &Path, rules: &Rules) -> Result<Sections> {
         path if path.is_dir() => images::read_folder(path, rules)?,
         path if images::is_image(path) => images::read_files(&[path.to_owned()], rules)?,
         path if volume::is_volume(path) => images::read_slices(path, rules)?,
+        path if is_layered(path) => only(path, dicom::read(path, &Chosen::default(), rules)?)?,
         path => read_drawing(path, rules)?,
     };
     sections.files = vec![path.to_owned()];
     Ok(sections)
+}
+
+/// Whether a file may hold structures that overlap, and so several layers.
+pub fn is_layered(path: &Path) -> bool {
+    !is_text(path) && dicom::is_dicom(path)
+}
+
+/// Whether a file is one of ours by the ending of its name, whatever is in it.
+fn is_text(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    matches!(ending.as_str(), "csl" | "contour" | "json")
+}
+
+/// The one layer of a file.
+fn only(path: &Path, mut layers: Vec<Sections>) -> Result<Sections> {
+    match (layers.pop(), layers.is_empty()) {
+        (Some(only), true) => Ok(only),
+        (last, _) => {
+            let count = layers.len() + usize::from(last.is_some());
+            Err(structures::several(&[path.to_owned()], count))
+        }
+    }
+}
+
+/// Reads the sections of several files in layers: in each of them labels exclude each other, and
+/// layers may overlap. Most files hold one layer, and those of several files are one set; a file of
+/// several structures is read alone, unless one of them is chosen or they are made to exclude each
+/// other.
+///
+/// # Errors
+/// As [`read_all`], and where a structure is chosen that is in none of the files.
+pub fn read_layers(paths: &[PathBuf], chosen: &Chosen, rules: &Rules) -> Result<Vec<Sections>> {
+    if !paths.iter().any(|path| is_layered(path)) {
+        return Ok(vec![read_all(paths, rules)?]);
+    }
+    let of = |path: &PathBuf| -> Result<Vec<Sections>> {
+        let layers = dicom::read(path, chosen, rules)?;
+        match chosen.partition {
+            Some(_) => Ok(vec![Sections::partition(layers, rules)?]),
+            None => Ok(layers),
+        }
+    };
+    if let [path] = paths {
+        let mut layers = of(path)?;
+        layers.iter_mut().try_for_each(|layer| layer.expect_unknown(rules))?;
+        return Ok(layers);
+    }
+    let (layered, others): (Vec<&PathBuf>, Vec<&PathBuf>) =
+        paths.iter().partition(|path| is_layered(path));
+    let parts = layered.into_iter().map(|path| only(path, of(path)?));
+    let mut parts = parts.collect::<Result<Vec<_>>>()?;
+    if !others.is_empty() {
+        let others: Vec<PathBuf> = others.into_iter().cloned().collect();
+        parts.push(read_all(&others, rules)?);
+    }
+    Ok(vec![Sections::join(parts, rules)?])
 }
 
 /// Reads a file of contours.

@@ -154,6 +154,16 @@ pub(super) fn point<'a>(
     Ok(point)
 }
 
+/// How many entries of a list an error shows.
+const LISTED: usize = 20;
+
+/// A list for an error: not too long.
+pub(super) fn listed(words: &[String]) -> String {
+    let rest = words.len().saturating_sub(LISTED);
+    let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    format!("{}{more}", words[..words.len() - rest].join(", "))
+}
+
 /// A word for an error: not too long.
 pub(super) fn shortened(word: &str) -> String {
     let mut short: String = word.chars().take(24).collect();

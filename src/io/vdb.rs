@@ -63,12 +63,47 @@ pub struct VdbContents<'a> {
 /// A grid of a material that does not exist, or a file that cannot be
 /// written whole; a part of it may then be left at `path`.
 pub fn write(path: &Path, contents: &VdbContents) -> Result<()> {
+    let mut builder = Builder::new(contents, String::new())?;
     let wanted = names::resolve(contents.grids, contents.materials)?;
-    let mut builder = Builder::new(contents)?;
     wanted.into_iter().try_for_each(|grid| builder.add(grid))?;
     let (scale, volumes) = (builder.scale, &mut builder.volumes);
     describe(volumes, "", contents.units, contents.frame, scale)?;
     finish(&mut builder.volumes, contents.materials, path)
+}
+
+/// Writes a file of layers that may overlap, each with grids on nodes of its own. What one grid says
+/// of all materials otherwise, `density` for one, is a grid for each layer: `density_<label>` where
+/// it has one label, and `density_layer<number>` where it has several.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_layers(path: &Path, layers: &[VdbContents]) -> Result<()> {
+    let (Some(first), true) = (layers.first(), layers.len() > 1) else {
+        return layers.first().map_or(Ok(()), |only| write(path, only));
+    };
+    let all: Vec<Material> = layers.iter().flat_map(|own| own.materials).cloned().collect();
+    require_grids(first.grids, &all)?;
+    let mut whole = Builder::new(first, String::new())?;
+    for (number, contents) in layers.iter().enumerate() {
+        let suffix = match contents.materials {
+            [only] => format!("_{}", only.id),
+            _ => format!("_layer{}", number + 1),
+        };
+        let is_own = |label: Label| contents.materials.iter().any(|one| one.id == label.0);
+        let mut builder = Builder::new(contents, suffix)?;
+        let of = |grid: &GridName| match *grid {
+            GridName::SurfaceOf(Which::One(label)) | GridName::IndicatorOf(Which::One(label)) => {
+                is_own(label)
+            }
+            _ => true,
+        };
+        let grids: Vec<GridName> = contents.grids.iter().copied().filter(of).collect();
+        let wanted = names::resolve(&grids, contents.materials)?;
+        wanted.into_iter().try_for_each(|grid| builder.add(grid))?;
+        ffi::adopt(whole.volumes.pin_mut(), &builder.volumes).map_err(library)?;
+    }
+    describe(&mut whole.volumes, "", first.units, first.frame, 1.0)?;
+    finish(&mut whole.volumes, &all, path)
 }
 
 /// What a world unit is in units of a file: 1, or more where voxels are too small for OpenVDB.
@@ -181,18 +216,34 @@ struct Builder<'a> {
     volumes: UniquePtr<ffi::Volumes>,
     /// A world unit in units of the file.
     scale: f64,
+    /// What follows the names of grids that are of all materials.
+    suffix: String,
+    /// The names of grids that there are.
+    names: Vec<String>,
     /// The names and triangles of the level sets there are.
     level_sets: Vec<(String, Vec<[u32; 3]>)>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(contents: &'a VdbContents) -> Result<Self> {
+    fn new(contents: &'a VdbContents, suffix: String) -> Result<Self> {
         let (volumes, scale) = volumes_on(contents.lattice)?;
-        Ok(Self { contents, volumes, scale, level_sets: Vec::new() })
+        let (names, level_sets) = Default::default();
+        Ok(Self { contents, volumes, scale, suffix, names, level_sets })
+    }
+
+    fn name(&self, grid: Grid) -> String {
+        match grid.label() {
+            None => format!("{}{}", grid.name(), self.suffix),
+            Some(_) => grid.name(),
+        }
     }
 
     fn add(&mut self, grid: Grid) -> Result<()> {
-        let (name, samples) = (grid.name(), self.contents.samples);
+        let (name, samples) = (self.name(grid), self.contents.samples);
+        if self.names.contains(&name) {
+            return Ok(()); // the surface of a layer's only label
+        }
+        self.names.push(name.clone());
         match grid {
             Grid::Surface => self.add_level_set(&name, Label::is_material),
             Grid::SurfaceOf(label) => self.add_level_set(&name, |within| within == label),
@@ -239,7 +290,7 @@ impl<'a> Builder<'a> {
     }
 
     fn describe(&mut self, grid: Grid) -> Result<()> {
-        let name = grid.name();
+        let name = self.name(grid);
         describe(&mut self.volumes, &name, self.contents.units, self.contents.frame, self.scale)?;
         let own = |material: &&Material| Some(Label(material.id)) == grid.label();
         if let Some(material) = self.contents.materials.iter().find(own) {

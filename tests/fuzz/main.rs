@@ -14,6 +14,8 @@ mod random;
 mod readers;
 mod reduce;
 mod set;
+#[path = "../common/structure_set.rs"]
+mod structure_set;
 mod worker;
 
 use std::path::{Path, PathBuf};

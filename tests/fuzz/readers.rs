@@ -4,14 +4,18 @@ use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use dicom_dictionary_std::uids;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use glam::DVec3;
 use transect::Rules;
+use transect::io::structures::Chosen;
 use transect::io::volume::{is_volume, read_volume};
-use transect::io::{read_mesh, read_sections};
+use transect::io::{read_layers, read_mesh, read_sections};
 
 use super::judge::{Verdict, refused};
 use super::random::Random;
+use super::structure_set::{Contour, Structure, circle, closed, structure_set};
 
 /// An error is no longer than this.
 const LONGEST: usize = 1000;
@@ -80,6 +84,7 @@ pub fn judge(file: &Path) -> Verdict {
         "csl" | "contour" | "json" | "png" | "tiff" => {
             read_sections(file, &Rules::default()).map(drop)
         }
+        "dcm" => read_layers(&[file.to_owned()], &Chosen::default(), &Rules::default()).map(drop),
         _ if is_volume(file) => {
             read_volume(file).and_then(|_| read_sections(file, &Rules::default())).map(drop)
         }
@@ -144,6 +149,8 @@ fn sound() -> Vec<File> {
         file("nii.gz", &nifti()),
         file("png", &png()),
         file("tiff", &tiff()),
+        file("dcm", &structures(uids::EXPLICIT_VR_LITTLE_ENDIAN)),
+        file("dcm", &structures(uids::IMPLICIT_VR_LITTLE_ENDIAN)),
     ];
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
     let mut kept: Vec<PathBuf> =
@@ -256,6 +263,18 @@ fn tiff() -> Vec<u8> {
         }
     }
     bytes.into_inner()
+}
+
+/// A disc, a ring and a point.
+fn structures(syntax: &str) -> Vec<u8> {
+    let around = |radius: f64| circle(DVec3::ZERO, radius, [DVec3::X, DVec3::Y]);
+    let ring = vec![closed(around(4.0)), closed(around(2.0))];
+    let point = Contour { kind: "POINT", points: vec![DVec3::ONE] };
+    let structures = [
+        Structure { number: 1, name: "disc", contours: vec![closed(around(3.0)), point] },
+        Structure { number: 2, name: "ring", contours: ring },
+    ];
+    structure_set(&structures, syntax)
 }
 
 /// All files with a part less, large parts first.

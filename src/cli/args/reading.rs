@@ -6,23 +6,68 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::ImageArguments;
-use crate::io::read_all;
+use crate::error::Error;
+use crate::io::structures::{Chosen, several};
+use crate::io::{is_layered, read_layers};
 use crate::label::Label;
 use crate::section::{Overlap, Rules, Sections};
 
 #[derive(Debug, Args)]
 pub struct InputArguments {
-    /// Section files: .csl, .contour, .json; volumes of labels: .nrrd, .nhdr, .nii, .nii.gz; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
+    /// Section files: .csl, .contour, .json; a structure set (DICOM RTSTRUCT); volumes of labels: .nrrd, .nhdr, .nii, .nii.gz; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
     #[arg(required = true, value_name = "SECTIONS")]
     pub sections: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: ReadingArguments,
+    #[command(flatten)]
+    pub structures: StructureArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct StructureArguments {
+    /// Read these structures of a structure set alone, by name or number [default: all, each a solid of its own]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub structures: Vec<String>,
+    /// Let the structures of a structure set exclude each other: where two overlap, what is in both belongs to the one named first here; those not named follow, the smallest first
+    #[arg(long, value_name = "NAME,...", num_args = 0.., require_equals = true, value_delimiter = ',')]
+    pub partition: Option<Vec<String>>,
+}
+
+impl StructureArguments {
+    fn chosen(&self) -> Chosen {
+        Chosen { names: self.structures.clone(), partition: self.partition.clone() }
+    }
+
+    /// Refuses what is about other files than there are.
+    fn require_use(&self, files: &[PathBuf]) -> crate::error::Result<()> {
+        let given = [
+            ("--structures", !self.structures.is_empty()),
+            ("--partition", self.partition.is_some()),
+        ];
+        match given.into_iter().find(|(_, is_given)| *is_given) {
+            Some((option, _)) if !files.iter().any(|file| is_layered(file)) => Err(Error::Option(
+                format!("{option} is about structure sets (DICOM), and none is read: leave it out"),
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl InputArguments {
+    /// Sections in which labels exclude each other.
     pub fn read(&self) -> crate::error::Result<Sections> {
+        let mut layers = self.read_layers()?;
+        match (layers.pop(), layers.is_empty()) {
+            (Some(only), true) => Ok(only),
+            (last, _) => Err(several(&self.sections, layers.len() + usize::from(last.is_some()))),
+        }
+    }
+
+    /// The same in layers, which may overlap.
+    pub fn read_layers(&self) -> crate::error::Result<Vec<Sections>> {
         self.reading.images.require_use(&self.sections)?;
-        read_all(&self.sections, &self.reading.rules())
+        self.structures.require_use(&self.sections)?;
+        read_layers(&self.sections, &self.structures.chosen(), &self.reading.rules())
     }
 }
 
