@@ -73,6 +73,23 @@ fn nrrd(steps: DMat3, encoding: &str) -> Vec<u8> {
     [header.into_bytes(), data].concat()
 }
 
+fn metaimage(steps: DMat3) -> Vec<u8> {
+    let (origin, steps) = placement(steps);
+    let spacing = [0, 1, 2].map(|axis| steps.col(axis).length());
+    let words = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+    let rows = [0, 1, 2].map(|axis| words(&(steps.col(axis) / spacing[axis]).to_array()));
+    let [x, y, z] = DIMS;
+    let header = format!(
+        "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n\
+         CompressedData = False\nTransformMatrix = {}\nOffset = {}\nElementSpacing = {}\n\
+         DimSize = {x} {y} {z}\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+        rows.join(" "),
+        words(&origin.to_array()),
+        words(&spacing)
+    );
+    [header.into_bytes(), voxels(origin, steps)].concat()
+}
+
 fn nifti(steps: DMat3) -> Vec<u8> {
     let (origin, steps) = placement(steps);
     let mut bytes = vec![0u8; 352];
@@ -159,6 +176,7 @@ fn discs_of_a_ball_have_their_area_in_every_format_and_direction() {
             write(&folder, &format!("{number}.nrrd"), &nrrd(steps, "raw")),
             write(&folder, &format!("{number}gz.nrrd"), &nrrd(steps, "gzip")),
             write(&folder, &format!("{number}.nii.gz"), &nifti(steps)),
+            write(&folder, &format!("{number}.mha"), &metaimage(steps)),
         ];
         for file in &files {
             assert_discs(file, &Family::Axis { axis: 2, count: 10 });
@@ -272,7 +290,7 @@ fn volumes_that_cannot_be_cut_are_refused_by_name_and_nothing_is_written() {
         ("outside.nrrd", &empty, "no label but 0"),
         ("cut.nrrd", &good[..good.len() - 100], "truncated"),
         ("text.nii.gz", b"nothing", "NIfTI-1"),
-        ("a.mha", b"1", "not known"),
+        ("a.mha", b"1", "no MetaImage"),
     ];
     let cuts = folder.path().join("cuts.json");
     for (name, bytes, words) in cases {

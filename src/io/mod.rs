@@ -7,6 +7,7 @@ pub mod exact;
 pub mod images;
 pub mod json;
 pub mod mesh;
+pub mod metaimage;
 pub mod nifti;
 pub mod nrrd;
 pub mod obj;
@@ -37,8 +38,8 @@ pub use mesh::{read_mesh, write_mesh};
 
 /// The kinds of files that sections are read from.
 pub const KINDS: &str = ".csl, .contour, .json, DICOM structure sets (.dcm), volumes of labels \
-                         (.nrrd, .nhdr, .nii, .nii.gz) and pictures (.png, .tif, .tiff, a folder of \
-                         them)";
+                         (.nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd) and pictures (.png, .tif, .tiff, \
+                         a folder of them)";
 
 /// Reads the sections of a file, its kind given by the ending of its name.
 ///

@@ -105,13 +105,13 @@ fn labels(header: &Header, storage: &Storage, data: &[u8]) -> Checked<Vec<u32>> 
     let skip = header.numbers::<i64>("byte skip")?.and_then(|all| all.first().copied());
     let needed = storage.bytes()?;
     match (header.encoding(), skip.unwrap_or(0)) {
-        ("raw", -1) => exact(storage, &data[data.len().saturating_sub(needed)..]),
+        ("raw", -1) => storage.labels_exactly(&data[data.len().saturating_sub(needed)..]),
         ("raw", skip) => {
             let skip = usize::try_from(skip).map_err(|_| format!("byte skip is {skip}"))?;
-            exact(storage, data.get(skip..).unwrap_or_default())
+            storage.labels_exactly(data.get(skip..).unwrap_or_default())
         }
         (_, 1..) => Err("compressed voxels with a byte skip are not read: save it anew".to_owned()),
-        ("gzip" | "gz", _) => exact(storage, &inflated(data, needed)?),
+        ("gzip" | "gz", _) => storage.labels_exactly(&inflated(data, needed)?),
         ("ascii" | "text" | "txt", _) => {
             let text = std::str::from_utf8(data).map_err(|_| "the voxels are no text")?;
             storage.labels_of_words(text)
@@ -120,15 +120,6 @@ fn labels(header: &Header, storage: &Storage, data: &[u8]) -> Checked<Vec<u32>> 
             Err(format!("its encoding {other:?} is not read: save it as raw, gzip or ascii"))
         }
     }
-}
-
-/// Labels from bytes of which none must be left over.
-fn exact(storage: &Storage, data: &[u8]) -> Checked<Vec<u32>> {
-    if data.len() > storage.bytes()? {
-        let dims = storage.dims;
-        return Err(format!("there is more than {dims:?} voxels: its sizes or type are wrong"));
-    }
-    storage.labels(data)
 }
 
 fn placement(header: &Header) -> Checked<Placement> {

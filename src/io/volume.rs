@@ -4,17 +4,17 @@
 use std::io::Read;
 use std::path::Path;
 
-use flate2::read::MultiGzDecoder;
+use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use rayon::prelude::*;
 
-use super::{nifti, nrrd};
+use super::{metaimage, nifti, nrrd};
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
 use crate::memory;
 use crate::volume::LabelVolume;
 
 /// The kinds of files that volumes are read from.
-pub const VOLUME_KINDS: &str = ".nrrd, .nhdr, .nii, .nii.gz";
+pub const VOLUME_KINDS: &str = ".nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd";
 
 /// Deflate makes no more bytes than this of one.
 const DEFLATE: usize = 1032;
@@ -36,6 +36,8 @@ fn reader(path: &Path) -> Option<Reader> {
         Some(nrrd::read)
     } else if ends(&[".nii", ".nii.gz"]) {
         Some(nifti::read)
+    } else if ends(&[".mha", ".mhd"]) {
+        Some(metaimage::read)
     } else {
         None
     }
@@ -150,6 +152,15 @@ impl Storage {
         numbers.map_err(|(voxel, number)| self.no_label(voxel, number))
     }
 
+    /// The same where no bytes must be left over.
+    pub fn labels_exactly(&self, bytes: &[u8]) -> std::result::Result<Vec<u32>, String> {
+        if bytes.len() > self.bytes()? {
+            let dims = self.dims;
+            return Err(format!("there is more than {dims:?} voxels: its sizes or type are wrong"));
+        }
+        self.labels(bytes)
+    }
+
     /// The labels, or the first number that is none with its place.
     fn decode<const SIZE: usize>(
         &self,
@@ -225,6 +236,18 @@ pub(super) fn label(number: f64) -> Option<u32> {
 
 /// What gzip holds, but no more than `limit` bytes and one.
 pub(super) fn inflated(bytes: &[u8], limit: usize) -> std::result::Result<Vec<u8>, String> {
+    decoded(MultiGzDecoder::new(bytes), bytes, limit)
+}
+
+/// What zlib holds, or gzip where there is that instead; no more than `limit` bytes and one.
+pub(super) fn inflated_zlib(bytes: &[u8], limit: usize) -> std::result::Result<Vec<u8>, String> {
+    match bytes.starts_with(&[0x1f, 0x8b]) {
+        true => inflated(bytes, limit),
+        false => decoded(ZlibDecoder::new(bytes), bytes, limit),
+    }
+}
+
+fn decoded(decoder: impl Read, bytes: &[u8], limit: usize) -> std::result::Result<Vec<u8>, String> {
     if bytes.len().saturating_mul(DEFLATE) < limit {
         return Err(format!(
             "{} compressed bytes cannot hold {limit}: the file is truncated, or its sizes are \
@@ -233,8 +256,7 @@ pub(super) fn inflated(bytes: &[u8], limit: usize) -> std::result::Result<Vec<u8
         ));
     }
     let mut found = Vec::new(); // grows as far as there is something
-    let mut decoder = MultiGzDecoder::new(bytes).take(limit as u64 + 1);
-    match decoder.read_to_end(&mut found) {
+    match decoder.take(limit as u64 + 1).read_to_end(&mut found) {
         Err(error) if found.len() < limit => Err(format!(
             "its compressed data end after {} bytes of {limit} ({error}): export it again",
             found.len()

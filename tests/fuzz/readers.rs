@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use dicom_dictionary_std::uids;
 use flate2::Compression;
-use flate2::write::GzEncoder;
+use flate2::write::{GzEncoder, ZlibEncoder};
 use glam::DVec3;
 use transect::Rules;
 use transect::io::structures::Chosen;
@@ -145,6 +145,8 @@ fn sound() -> Vec<File> {
         file("stl", STL.as_bytes()),
         file("stl", &binary_stl()),
         file("nrrd", &nrrd()),
+        file("mha", &metaimage(false)),
+        file("mha", &metaimage(true)),
         file("nii", &nifti()),
         file("nii.gz", &nifti()),
         file("png", &png()),
@@ -217,6 +219,25 @@ fn nrrd() -> Vec<u8> {
             .to_vec();
     bytes.extend(voxels());
     bytes
+}
+
+fn metaimage(is_packed: bool) -> Vec<u8> {
+    let voxels = if is_packed { zlib(&voxels()) } else { voxels() };
+    let compressed = if is_packed { "True" } else { "False" };
+    let header = format!(
+        "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n\
+         CompressedData = {compressed}\nCompressedDataSize = {}\n\
+         TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset = 1 2 3\nElementSpacing = 1 1 2\n\
+         DimSize = 6 6 6\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+        voxels.len()
+    );
+    [header.as_bytes(), &voxels].concat()
+}
+
+fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    let _ = encoder.write_all(bytes);
+    encoder.finish().unwrap_or_default()
 }
 
 fn nifti() -> Vec<u8> {

@@ -10,7 +10,7 @@ use super::two_lengths;
 #[command(group(clap::ArgGroup::new("planes").required(true)))]
 #[command(group(clap::ArgGroup::new("along")))]
 pub struct SliceArguments {
-    /// A closed mesh: .ply (with labels or without), .obj, .stl, .off; or a volume of labels: .nrrd, .nii, .nii.gz
+    /// A closed mesh: .ply (with labels or without), .obj, .stl, .off; or a volume of labels: .nrrd, .nii, .nii.gz, .mha, .mhd
     #[arg(value_name = "SOLID")]
     pub solid: PathBuf,
     /// Parallel planes, normal to this axis; with --count. Or what --sweep advances along [default: z]
