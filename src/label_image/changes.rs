@@ -31,6 +31,19 @@ impl LabelImage {
         Self { pixels: Pixels { size, labels: cropped }, placement }
     }
 
+    /// The same with so many more pixels on every side, like those on the border.
+    pub fn extended(self, margin: usize) -> Self {
+        let Pixels { size: [width, height], labels } = &self.pixels;
+        let within = |index: usize, count: usize| index.saturating_sub(margin).min(count - 1);
+        let size = [width + 2 * margin, height + 2 * margin];
+        let rows = (0..size[1]).map(|y| within(y, *height) * width);
+        let wider = rows.flat_map(|row| (0..size[0]).map(move |x| row + within(x, *width)));
+        let labels = wider.map(|index| labels[index]).collect();
+        let ImagePlacement { origin, steps } = self.placement;
+        let origin = origin - margin as f64 * (steps[0] + steps[1]);
+        Self { pixels: Pixels { size, labels }, placement: ImagePlacement { origin, steps } }
+    }
+
     /// The same with other labels, each by the one that it was.
     pub fn relabelled(mut self, label: impl Fn(u32) -> u32) -> Self {
         self.pixels.labels.iter_mut().for_each(|pixel| *pixel = label(*pixel));

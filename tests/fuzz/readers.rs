@@ -147,6 +147,7 @@ fn sound() -> Vec<File> {
         file("nrrd", &nrrd()),
         file("mha", &metaimage(false)),
         file("mha", &metaimage(true)),
+        file("mha", &sequence()),
         file("nii", &nifti()),
         file("nii.gz", &nifti()),
         file("png", &png()),
@@ -232,6 +233,21 @@ fn metaimage(is_packed: bool) -> Vec<u8> {
         voxels.len()
     );
     [header.as_bytes(), &voxels].concat()
+}
+
+/// The slices of the block as tracked frames.
+fn sequence() -> Vec<u8> {
+    let mut header = "NDims = 3\nDimSize = 6 6 6\nElementType = MET_UCHAR\n\
+        UltrasoundImageOrientation = UN\n\
+        ImageToProbeTransform = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n"
+        .to_owned();
+    for number in 0..6 {
+        let begin = format!("Seq_Frame{number:04}_ProbeToTrackerTransform");
+        let matrix = format!("1 0 0 0 0 1 0 0 0 0 1 {number} 0 0 0 1");
+        header += &format!("{begin} = {matrix}\n{begin}Status = OK\n");
+    }
+    header += "ElementDataFile = LOCAL\n";
+    [header.as_bytes(), &voxels()].concat()
 }
 
 fn zlib(bytes: &[u8]) -> Vec<u8> {

@@ -1,5 +1,6 @@
 //! Sections from pictures whose pixels are labels, and from the slices of volumes.
 
+mod frames;
 mod names;
 mod page;
 mod png;

@@ -3,16 +3,24 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::io::metaimage::{self, is_metaimage};
+use crate::io::read_bytes;
 use crate::io::volume::read_volume;
 use crate::section::{Rules, Sections, Warning};
 use crate::volume::Slices;
 
 /// Reads a volume of labels as sections: the slices that were drawn, or every one of a full
-/// volume.
+/// volume. A sequence of tracked frames gives each of these.
 ///
 /// # Errors
 /// As [`read_volume`], and where there is no material.
 pub fn read_slices(file: &Path, rules: &Rules) -> Result<Sections> {
+    if is_metaimage(file) {
+        let bytes = read_bytes(file)?;
+        if let Some(frames) = metaimage::read_frames(&bytes, file)? {
+            return super::frames::sections(file, &frames, rules);
+        }
+    }
     let volume = read_volume(file)?;
     let Slices { images, found, left_out } =
         volume.slices(&rules.images).map_err(|what| Error::file(file, what))?;

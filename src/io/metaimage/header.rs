@@ -64,6 +64,11 @@ impl Header {
         keys.iter().find_map(|&key| Some((key, self.get(key)?)))
     }
 
+    /// All keys with their values.
+    pub fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.entries.iter().map(|(key, value)| (key.as_str(), value.as_str()))
+    }
+
     /// Whether a key is there and true: by its first letter, as ITK takes it.
     pub fn is_true(&self, keys: &[&str]) -> bool {
         self.any(keys).is_some_and(|(_, value)| value.starts_with(['T', 't', '1']))

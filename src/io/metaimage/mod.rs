@@ -1,6 +1,7 @@
-//! MetaImage (`.mha`, `.mhd`), as volumes of labels.
+//! MetaImage (`.mha`, `.mhd`), as volumes of labels, and as sequences of tracked frames.
 
 mod header;
+mod sequence;
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -12,6 +13,8 @@ use super::text::shortened;
 use super::volume::{Scalar, Storage, inflated_zlib};
 use crate::error::{Error, Result};
 use crate::volume::{LabelVolume, Placement};
+
+pub use sequence::{Chain, Facts, Sequence, TransformFacts};
 
 type Checked<T> = std::result::Result<T, String>;
 
@@ -28,16 +31,78 @@ const BIG_ENDIAN: [&str; 2] = ["BinaryDataByteOrderMSB", "ElementByteOrderMSB"];
 pub fn read(bytes: &[u8], file: &Path) -> Result<LabelVolume> {
     let at = |what: String| Error::input(file, "the header", what);
     let (header, rest) = Header::read(bytes).map_err(at)?;
+    if Sequence::read(&header).map_err(at)?.is_some() {
+        let what = "it holds a sequence of tracked frames, which are sections and no volume";
+        return Err(Error::file(file, what));
+    }
     let storage = storage(&header).map_err(at)?;
     let placement = placement(&header).map_err(at)?;
-    // That many bytes from the beginning of the file, which holds the header, too.
-    let is_skipped = header.number("HeaderSize").map_err(at)?.is_some_and(|size| size > 0);
-    let data = data(&header, if is_skipped { bytes } else { rest }, file)?;
-    let labels = labels(&header, &storage, &data, file)?;
+    let labels = voxels(&header, &storage, [bytes, rest], file)?;
     let mut volume = LabelVolume::new(storage.dims, labels, placement).map_err(at)?;
     "LPS".clone_into(&mut volume.frame);
     "mm".clone_into(&mut volume.units);
     Ok(volume)
+}
+
+/// A sequence of tracked frames with the numbers in their pixels.
+#[derive(Debug)]
+pub struct Frames {
+    /// Where they are.
+    pub sequence: Sequence,
+    /// Pixels of a row, and rows.
+    pub size: [usize; 2],
+    /// Of one frame after the other, row by row.
+    pub labels: Vec<u32>,
+}
+
+/// Whether a file is a MetaImage by the ending of its name.
+pub fn is_metaimage(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    ["mha", "mhd"].contains(&ending.as_str())
+}
+
+/// Reads a sequence of tracked frames; `None` where it is none.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_frames(bytes: &[u8], file: &Path) -> Result<Option<Frames>> {
+    let at = |what: String| Error::input(file, "the header", what);
+    let (header, rest) = Header::read(bytes).map_err(at)?;
+    let Some(sequence) = Sequence::read(&header).map_err(at)? else { return Ok(None) };
+    let storage = storage(&header).map_err(at)?;
+    let labels = voxels(&header, &storage, [bytes, rest], file)?;
+    let [width, height, _] = storage.dims;
+    Ok(Some(Frames { sequence, size: [width, height], labels }))
+}
+
+/// What a file says of tracked frames, whatever their pixels hold; `None` where it is no sequence.
+///
+/// # Errors
+/// Where the file or its header cannot be read.
+pub fn sequence_facts(file: &Path) -> Result<Option<Facts>> {
+    if !is_metaimage(file) {
+        return Ok(None);
+    }
+    let bytes = super::read_bytes(file)?;
+    let at = |what: String| Error::input(file, "the header", what);
+    let (header, _) = Header::read(&bytes).map_err(at)?;
+    let Some(sequence) = Sequence::read(&header).map_err(at)? else { return Ok(None) };
+    let [width, height, _] = storage(&header).map_err(at)?.dims;
+    Ok(Some(sequence.facts(file.display().to_string(), [width, height])))
+}
+
+/// The numbers of all voxels; `bytes` are the file, and what follows its header.
+fn voxels(
+    header: &Header,
+    storage: &Storage,
+    [bytes, rest]: [&[u8]; 2],
+    file: &Path,
+) -> Result<Vec<u32>> {
+    let at = |what: String| Error::input(file, "the header", what);
+    // That many bytes from the beginning of the file, which holds the header, too.
+    let is_skipped = header.number("HeaderSize").map_err(at)?.is_some_and(|size| size > 0);
+    let data = data(header, if is_skipped { bytes } else { rest }, file)?;
+    labels(header, storage, &data, file)
 }
 
 fn storage(header: &Header) -> Checked<Storage> {
