@@ -1,6 +1,8 @@
 //! Layers: structures that may overlap, each reconstructed from its own sections as if the others
 //! were not there.
 
+mod voxels;
+
 use serde::Serialize;
 
 use crate::change::Change;
@@ -14,6 +16,8 @@ use crate::model::{Model, Options};
 use crate::report::Report;
 use crate::section::Sections;
 use crate::stage::{Stage, Stages};
+
+pub use voxels::{own_voxels, require_like, voxel_layers};
 
 /// A layer that was reconstructed and checked.
 #[derive(Debug)]

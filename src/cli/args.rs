@@ -59,7 +59,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct ReconstructArguments {
-    /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
+    /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a picture: .png; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
@@ -77,6 +77,9 @@ pub struct ReconstructArguments {
         default_value = "surface,density,label,surface_*"
     )]
     pub grids: Vec<String>,
+    /// Give volumes of labels the voxels of this image: .nrrd, .nii, .nii.gz, .mha [default: the grid's nodes; of several structures as fine as --resolution on the longest side of all]
+    #[arg(long, value_name = "IMAGE")]
+    pub like: Option<PathBuf>,
     /// With --method skeleton: write the surface with exact coordinates as JSON
     #[arg(long, value_name = "FILE.json")]
     pub exact: Option<PathBuf>,

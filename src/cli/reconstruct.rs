@@ -14,6 +14,8 @@ use crate::context::Context;
 use crate::error::{Error, Remedy, Result};
 use crate::io::exact::write_exact;
 use crate::io::vdb::require_grids;
+use crate::io::volume::like::read_voxels;
+use crate::io::volume::write::Voxels;
 use crate::layers::{self, Layer};
 use crate::model::Options;
 use crate::output::{Outputs, write_error};
@@ -32,6 +34,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let decimation = arguments.decimate;
     require_rounded(arguments)?;
     require_picture(&arguments.picture, &targets)?;
+    let like = like(arguments, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
 
     let watcher = Watcher::new(arguments.quiet);
@@ -53,6 +56,10 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     }
     if targets.iter().any(|target| target.kind == Kind::Vdb) {
         require_grids(&grids, &all.materials)?;
+    }
+    targets.iter().try_for_each(|target| target.require_layers(layers.len()))?;
+    if let Some(like) = &like {
+        layers::require_like(like, &all.units, &all.frame)?;
     }
     let picture = picture_options(&arguments.picture, &all.materials)?;
     let mut made: Vec<Layer> = Vec::with_capacity(layers.len());
@@ -76,6 +83,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         made.push(layer);
     }
     let results = Results::new(made.iter().map(|layer| &layer.model), &grids, picture)?;
+    let results = results.like(like);
     let Context { mut stages, progress, .. } = context;
     for target in &targets {
         let stage = target.kind.stage();
@@ -138,6 +146,16 @@ fn require_rounded(arguments: &ReconstructArguments) -> Result<()> {
         return Err(Error::Option(what.to_owned()));
     }
     Ok(())
+}
+
+/// Where the voxels of volumes of labels are, if an image says it.
+fn like(arguments: &ReconstructArguments, targets: &[Target]) -> Result<Option<Voxels>> {
+    let Some(path) = &arguments.like else { return Ok(None) };
+    if !targets.iter().any(|target| matches!(target.kind, Kind::Volume(_))) {
+        let what = "--like is about volumes of labels: add -o FILE.seg.nrrd or another one";
+        return Err(Error::Option(what.to_owned()));
+    }
+    read_voxels(path).map(Some)
 }
 
 /// Options of pictures without any are a mistake.

@@ -8,8 +8,9 @@ use super::targets::{Kind, Target};
 use crate::error::{Error, Result};
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
+use crate::io::volume::write::{VolumeKind, Voxels, write_volume};
 use crate::label::{Label, Material};
-use crate::layers::meshes_side_by_side;
+use crate::layers::{meshes_side_by_side, own_voxels, voxel_layers};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::model::{Derived, Model};
@@ -31,6 +32,8 @@ pub struct Results<'a> {
     surfaces: Cow<'a, Mesh>,
     grids: &'a [GridName],
     picture: PictureOptions,
+    /// Where the voxels of volumes of labels are, if not on the grid's nodes.
+    like: Option<Voxels>,
 }
 
 impl<'a> Results<'a> {
@@ -56,7 +59,12 @@ impl<'a> Results<'a> {
                 (Cow::Owned(Sections::side_by_side(sections)), Cow::Owned(surfaces))
             }
         };
-        Ok(Self { layers, sections, surfaces, grids, picture })
+        Ok(Self { layers, sections, surfaces, grids, picture, like: None })
+    }
+
+    /// The same with volumes of labels whose voxels are these.
+    pub fn like(self, like: Option<Voxels>) -> Self {
+        Self { like, ..self }
     }
 
     /// Writes the files of a target, which are reserved.
@@ -78,6 +86,7 @@ impl<'a> Results<'a> {
                     let about = About { materials: &own, ..About::from(sections) };
                     write_surface(outputs, &path, kind, &part, &about)?;
                 }
+                (Kind::Volume(kind), label) => self.write_labels(outputs, &path, kind, label)?,
                 (Kind::Vdb, _) => self.write_volumes(outputs, &path)?,
                 (Kind::Picture, _) => self.write_picture(outputs, &path)?,
             }
@@ -94,6 +103,25 @@ impl<'a> Results<'a> {
         });
         let contents: Vec<VdbContents> = contents.collect();
         outputs.write_at(path, |temporary| vdb::write_layers(temporary, &contents))
+    }
+
+    /// Writes the labels of voxels, all or one.
+    fn write_labels(
+        &self,
+        outputs: &mut Outputs,
+        path: &Path,
+        kind: VolumeKind,
+        label: Option<Label>,
+    ) -> Result<()> {
+        let models: Vec<&Model> = self.layers.iter().map(|layer| layer.0).collect();
+        let voxels = match &self.like {
+            Some(like) => like.clone(),
+            None => own_voxels(&models)?,
+        };
+        let layers = voxel_layers(&models, &voxels, label)?;
+        outputs.write(path, |out| {
+            write_volume(kind, &voxels, &layers, out).map_err(|error| write_error(path, &error))
+        })
     }
 
     fn write_picture(&self, outputs: &mut Outputs, path: &Path) -> Result<()> {

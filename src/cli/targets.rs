@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::io::mesh::MeshKind;
+use crate::io::volume::write::VolumeKind;
 use crate::label::{Label, Material};
 
 /// In the name of an output, what stands for the label's number.
@@ -16,6 +17,7 @@ const NAME: &str = "{name}";
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Vdb,
+    Volume(VolumeKind),
     Mesh(MeshKind),
     Picture,
 }
@@ -27,10 +29,10 @@ impl Kind {
             ("vdb", _) => Ok(Self::Vdb),
             ("png", _) => Ok(Self::Picture),
             (_, Some(kind)) => Ok(Self::Mesh(kind)),
-            _ => Err(Error::file(
+            _ => VolumeKind::of(path).map(Self::Volume).ok_or_else(|| Error::file(
                 path,
                 "this kind of file is not known: the name of an output ends in .vdb, .ply, .vtp, \
-                 .vtu, .obj, .stl, .off or .png",
+                 .vtu, .obj, .stl, .off, .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti or .png",
             )),
         }
     }
@@ -38,7 +40,7 @@ impl Kind {
     /// The stage that writes it.
     pub fn stage(self) -> &'static str {
         match self {
-            Self::Vdb => "volumes",
+            Self::Vdb | Self::Volume(_) => "volumes",
             Self::Mesh(_) => "surfaces",
             Self::Picture => "picture",
         }
@@ -57,11 +59,29 @@ impl Target {
     /// Refuses names of no known kind.
     pub fn new(path: &Path) -> Result<Self> {
         let target = Self { path: path.to_owned(), kind: Kind::of(path)? };
-        if target.is_pattern() && !matches!(target.kind, Kind::Mesh(_)) {
-            let what = format!("only surfaces are written by label: leave {LABEL} and {NAME} out");
+        if target.is_pattern() && !matches!(target.kind, Kind::Mesh(_) | Kind::Volume(_)) {
+            let what = format!(
+                "only surfaces and volumes of labels are written by label: leave {LABEL} and {NAME} \
+                 out"
+            );
             return Err(Error::file(path, what));
         }
         Ok(target)
+    }
+
+    /// Refuses a file that has room for one label a voxel where layers may overlap.
+    pub fn require_layers(&self, layers: usize) -> Result<()> {
+        match self.kind {
+            Kind::Volume(kind) if layers > 1 && !kind.has_layers() && !self.is_pattern() => {
+                let what = format!(
+                    "it has room for one label a voxel, and here are {layers} structures that may \
+                     overlap: write .seg.nrrd, a file for each (with {LABEL} or {NAME} in its name), \
+                     or let them exclude each other with --partition"
+                );
+                Err(Error::file(&self.path, what))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Whether it stands for one file a material.

@@ -1,14 +1,19 @@
 //! NIfTI-1 (`.nii`, `.nii.gz`), as volumes of labels.
 
+mod write;
+
 use std::borrow::Cow;
 use std::path::Path;
 
 use ::nifti::{Endianness, NiftiHeader, NiftiType};
 use glam::{DMat3, DQuat, DVec3};
 
+use super::volume::write::Voxels;
 use super::volume::{Scalar, Storage, inflated};
 use crate::error::{Error, Result};
 use crate::volume::{LabelVolume, Placement};
+
+pub use write::write;
 
 /// The length of the header.
 const HEADER: usize = 348;
@@ -44,6 +49,26 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<LabelVolume> {
         "RAS".clone_into(&mut volume.frame);
     }
     Ok(volume)
+}
+
+/// Where the voxels of an image are, whatever is in them.
+pub fn read_voxels(bytes: &[u8]) -> std::result::Result<Voxels, String> {
+    let start = match bytes.starts_with(&[0x1f, 0x8b]) {
+        true => Cow::Owned(inflated(bytes, HEADER)?),
+        false => Cow::Borrowed(bytes),
+    };
+    let header = header(&start)?;
+    let dims = header.dim().map_err(|error| format!("{error}: correct the sizes"))?;
+    let &[x, y, z, ..] = dims else {
+        return Err(format!("it has {} axes, and a volume has three", dims.len()));
+    };
+    let is_placed = header.sform_code > 0 || header.qform_code > 0;
+    Ok(Voxels {
+        dims: [x, y, z].map(usize::from),
+        placement: placement(&header),
+        units: units(&header).to_owned(),
+        frame: if is_placed { "RAS".to_owned() } else { String::new() },
+    })
 }
 
 fn header(bytes: &[u8]) -> std::result::Result<NiftiHeader, String> {

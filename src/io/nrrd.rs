@@ -2,6 +2,7 @@
 //! 3D Slicer writes (`.seg.nrrd`), as long as their segments do not overlap.
 
 mod header;
+mod write;
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -9,10 +10,13 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 
 use self::header::Header;
+use super::volume::write::Voxels;
 use super::volume::{Scalar, Storage, distinct, inflated};
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
 use crate::volume::{LabelVolume, Placement};
+
+pub use write::write;
 
 type Checked<T> = std::result::Result<T, String>;
 
@@ -39,6 +43,27 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<LabelVolume> {
     volume.units = units(&header);
     volume.materials = distinct(segments(&header));
     Ok(volume)
+}
+
+/// Where the voxels of an image are, whatever is in them; axes without a direction do not count.
+pub fn read_voxels(bytes: &[u8]) -> Checked<Voxels> {
+    let (header, _) = Header::read(bytes)?;
+    let dims = domain(&header)?;
+    let placement = placement(&header)?;
+    Ok(Voxels { dims, placement, units: units(&header), frame: frame(&header) })
+}
+
+/// The sizes along axes that have a direction: a list of layers, or colours, has none.
+fn domain(header: &Header) -> Checked<[usize; 3]> {
+    let mut sizes = header.numbers::<usize>("sizes")?.ok_or("it has no sizes")?;
+    let directions = header.get("space directions").unwrap_or_default();
+    let parts: Vec<&str> = directions.split_whitespace().collect();
+    if parts.len() == sizes.len() {
+        let mut has_direction = parts.iter().map(|part| *part != "none");
+        sizes.retain(|_| has_direction.next().unwrap_or(true));
+    }
+    let axes = sizes.len();
+    sizes.try_into().map_err(|_| format!("it has {axes} axes in space, and a volume has three"))
 }
 
 fn detached(name: &str, file: &Path) -> Result<Vec<u8>> {

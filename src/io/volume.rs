@@ -1,6 +1,9 @@
 //! Files of volumes of labels, by the ending of their name, and what they have
 //! in common: many numbers of one type.
 
+pub mod like;
+pub mod write;
+
 use std::io::Read;
 use std::path::Path;
 

@@ -5,10 +5,14 @@
 //! after it, so that everything is written in one pass. An array there is its
 //! length in bytes as `UInt64`, and then its numbers, little endian.
 
+mod image;
+
 use std::io::{Error, Result, Write};
 
 use super::mesh::About;
 use crate::mesh::Mesh;
+
+pub use image::write_image;
 
 /// VTK's number for a triangle among the kinds of cells.
 const TRIANGLE: u8 = 5;

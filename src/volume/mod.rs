@@ -3,6 +3,7 @@
 
 mod cut;
 mod drawn;
+mod fill;
 mod slices;
 
 use glam::{DMat3, DVec3};
@@ -11,6 +12,7 @@ use crate::label::{Label, Material};
 use crate::plane::Bounds;
 
 pub(crate) use drawn::{Shown, shown};
+pub use fill::fill;
 pub use slices::Slices;
 pub(crate) use slices::nth;
 

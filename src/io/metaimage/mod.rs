@@ -2,6 +2,7 @@
 
 mod header;
 mod sequence;
+mod write;
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -10,11 +11,13 @@ use glam::{DMat3, DVec3};
 
 use self::header::Header;
 use super::text::shortened;
+use super::volume::write::Voxels;
 use super::volume::{Scalar, Storage, inflated_zlib};
 use crate::error::{Error, Result};
 use crate::volume::{LabelVolume, Placement};
 
 pub use sequence::{Chain, Facts, Sequence, TransformFacts};
+pub use write::write;
 
 type Checked<T> = std::result::Result<T, String>;
 
@@ -42,6 +45,18 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<LabelVolume> {
     "LPS".clone_into(&mut volume.frame);
     "mm".clone_into(&mut volume.units);
     Ok(volume)
+}
+
+/// Where the voxels of an image are, whatever is in them.
+pub fn read_voxels(bytes: &[u8]) -> Checked<Voxels> {
+    let (header, _) = Header::read(bytes)?;
+    if header.number("NDims")? != Some(3) {
+        return Err("it has not three axes: a volume has".to_owned());
+    }
+    let dims = header.numbers(&["DimSize"], 3)?.ok_or("it has no DimSize")?;
+    let dims = [dims[0], dims[1], dims[2]];
+    let (units, frame) = ("mm".to_owned(), "LPS".to_owned());
+    Ok(Voxels { dims, placement: placement(&header)?, units, frame })
 }
 
 /// A sequence of tracked frames with the numbers in their pixels.

@@ -98,6 +98,8 @@ impl Header {
         let Some(text) = self.get(name) else { return Ok(None) };
         let error =
             || format!("{name} is {:?}: vectors of three numbers belong there", shortened(text));
+        // An axis without a direction.
+        let text = text.replace("none", "");
         let parts = text.split(')').map(str::trim).filter(|part| !part.is_empty());
         let vectors = parts.map(|part| {
             let numbers = part.strip_prefix('(')?.split(',').map(|number| number.trim().parse());
