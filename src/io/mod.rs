@@ -60,8 +60,8 @@ pub fn read_part(path: &Path, rules: &Rules) -> Result<Sections> {
     let mut sections = match path {
         path if path.is_dir() => images::read_folder(path, rules)?,
         path if images::is_image(path) => images::read_files(&[path.to_owned()], rules)?,
+        path if is_layered(path) => only(path, read_file(path, &Chosen::default(), rules)?)?,
         path if volume::is_volume(path) => images::read_slices(path, rules)?,
-        path if is_layered(path) => only(path, dicom::read(path, &Chosen::default(), rules)?)?,
         path => read_drawing(path, rules)?,
     };
     sections.files = vec![path.to_owned()];
@@ -70,13 +70,21 @@ pub fn read_part(path: &Path, rules: &Rules) -> Result<Sections> {
 
 /// Whether a file may hold structures that overlap, and so several layers.
 pub fn is_layered(path: &Path) -> bool {
-    !is_text(path) && dicom::is_dicom(path)
+    images::is_layered(path) || !is_text(path) && dicom::is_dicom(path)
+}
+
+/// The layers of a file that may have several.
+fn read_file(path: &Path, chosen: &Chosen, rules: &Rules) -> Result<Vec<Sections>> {
+    match images::is_layered(path) {
+        true => images::read_layers(path, chosen, rules),
+        false => dicom::read(path, chosen, rules),
+    }
 }
 
 /// Whether a file is one of ours by the ending of its name, whatever is in it.
 fn is_text(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    matches!(ending.as_str(), "csl" | "contour" | "json")
+    matches!(ending.as_str(), "csl" | "contour" | "json" | "nrrd" | "nhdr" | "mha" | "mhd" | "nii")
 }
 
 /// The one layer of a file.
@@ -102,7 +110,7 @@ pub fn read_layers(paths: &[PathBuf], chosen: &Chosen, rules: &Rules) -> Result<
         return Ok(vec![read_all(paths, rules)?]);
     }
     let of = |path: &PathBuf| -> Result<Vec<Sections>> {
-        let layers = dicom::read(path, chosen, rules)?;
+        let layers = read_file(path, chosen, rules)?;
         match chosen.partition {
             Some(_) => Ok(vec![Sections::partition(layers, rules)?]),
             None => Ok(layers),

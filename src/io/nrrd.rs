@@ -2,6 +2,7 @@
 //! 3D Slicer writes (`.seg.nrrd`), as long as their segments do not overlap.
 
 mod header;
+mod layers;
 mod write;
 
 use std::borrow::Cow;
@@ -16,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::label::{Label, Material};
 use crate::volume::{LabelVolume, Placement};
 
+pub use layers::{has_layers, read_layers};
 pub use write::write;
 
 type Checked<T> = std::result::Result<T, String>;
@@ -30,19 +32,31 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<LabelVolume> {
     let (header, rest) = Header::read(bytes).map_err(at)?;
     let storage = storage(&header).map_err(at)?;
     let placement = placement(&header).map_err(at)?;
+    let voxels = opened(&header, rest, &storage, file)?;
+    let labels =
+        labels(&header, &storage, &voxels).map_err(|what| Error::input(file, "the data", what))?;
+    let mut volume = LabelVolume::new(storage.dims, labels, placement).map_err(at)?;
+    volume.frame = frame(&header);
+    volume.units = units(&header);
+    let materials = segments(&header).into_iter().map(|(_, material)| material);
+    volume.materials = distinct(materials.collect());
+    Ok(volume)
+}
+
+/// The bytes of the voxels, as they are stored: after the header, or in a file of their own.
+fn opened<'a>(
+    header: &Header,
+    rest: &'a [u8],
+    storage: &Storage,
+    file: &Path,
+) -> Result<Cow<'a, [u8]>> {
     let voxels = match header.get("data file") {
         Some(name) => Cow::Owned(detached(name, file)?),
         None => Cow::Borrowed(rest),
     };
     let is_packed = ["gzip", "gz"].contains(&header.encoding());
     storage.require_memory(file, voxels.len(), is_packed)?;
-    let labels =
-        labels(&header, &storage, &voxels).map_err(|what| Error::input(file, "the data", what))?;
-    let mut volume = LabelVolume::new(storage.dims, labels, placement).map_err(at)?;
-    volume.frame = frame(&header);
-    volume.units = units(&header);
-    volume.materials = distinct(segments(&header));
-    Ok(volume)
+    Ok(voxels)
 }
 
 /// Where the voxels of an image are, whatever is in them; axes without a direction do not count.
@@ -84,6 +98,11 @@ fn storage(header: &Header) -> Checked<Storage> {
              number for each segment"
         )
     })?;
+    scalar_storage(header, dims)
+}
+
+/// How numbers are stored, of so many voxels.
+fn scalar_storage(header: &Header, dims: [usize; 3]) -> Checked<Storage> {
     let scalar = scalar(header.get("type").ok_or("it has no type")?)?;
     let text = ["ascii", "text", "txt"].contains(&header.encoding());
     let big_endian = match header.get("endian") {
@@ -192,7 +211,8 @@ fn units(header: &Header) -> String {
 
 /// The segments that 3D Slicer describes: `Segment0_LabelValue:=1`,
 /// `Segment0_Name:=liver`, `Segment0_Color:=0.8 0.4 0.3`.
-fn segments(header: &Header) -> Vec<Material> {
+/// Each with its number there.
+fn segments(header: &Header) -> Vec<(usize, Material)> {
     let mut found = Vec::new();
     for number in 0.. {
         let entry = |key: &str| header.key(&format!("Segment{number}_{key}"));
@@ -207,7 +227,7 @@ fn segments(header: &Header) -> Vec<Material> {
         if let Some(Ok(color)) = channels.map(<[f64; 3]>::try_from) {
             material.color = color.map(|channel| (channel * 255.0).round() as u8);
         }
-        found.push(material);
+        found.push((number, material));
     }
     found
 }

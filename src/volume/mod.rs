@@ -6,6 +6,8 @@ mod drawn;
 mod fill;
 mod slices;
 
+use std::collections::BTreeMap;
+
 use glam::{DMat3, DVec3};
 
 use crate::label::{Label, Material};
@@ -114,6 +116,24 @@ impl LabelVolume {
             }
         }
         labels
+    }
+
+    /// How many voxels each label has.
+    pub fn sizes(&self) -> BTreeMap<Label, u64> {
+        let mut sizes = BTreeMap::new();
+        for run in self.labels.chunk_by(|one, other| one == other) {
+            *sizes.entry(Label(run[0])).or_default() += run.len() as u64;
+        }
+        sizes
+    }
+
+    /// The same with these labels alone; all others are outside.
+    pub fn of_labels(mut self, labels: &[u32]) -> Self {
+        let others = self.labels.iter_mut().filter(|label| !labels.contains(label));
+        others.for_each(|label| *label = 0);
+        self.materials.retain(|material| labels.contains(&material.id));
+        self.occupied = occupied(self.dims, &self.labels);
+        self
     }
 
     /// The corners of the box of the voxels' centres of all materials, grown

@@ -45,9 +45,12 @@ impl StructureArguments {
             ("--partition", self.partition.is_some()),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
-            Some((option, _)) if !files.iter().any(|file| is_layered(file)) => Err(Error::Option(
-                format!("{option} is about structure sets (DICOM), and none is read: leave it out"),
-            )),
+            Some((option, _)) if !files.iter().any(|file| is_layered(file)) => {
+                Err(Error::Option(format!(
+                    "{option} is about structure sets (DICOM) and segmentations in layers, and none is \
+                     read: leave it out"
+                )))
+            }
             _ => Ok(()),
         }
     }
