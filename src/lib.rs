@@ -83,6 +83,7 @@ pub mod change;
 pub mod check;
 pub mod choice;
 mod cli;
+mod color;
 pub mod compare;
 pub mod complex;
 pub mod context;
@@ -117,6 +118,7 @@ pub mod report;
 pub mod section;
 mod segments;
 mod sets;
+pub mod sides;
 pub mod skeleton;
 #[cfg(test)]
 #[path = "../tests/common/skipped.rs"]

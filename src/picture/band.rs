@@ -12,6 +12,7 @@ use super::raster::{NOTHING, ScreenPoint, Target, edge_functions, rows};
 use super::scene::{Layer, Scene, Stroke};
 use super::shade;
 use super::text::scale;
+use crate::color::{encode, linear};
 
 /// Rows of pixels in a band.
 const BAND: u32 = 24;
@@ -74,7 +75,7 @@ impl<'a> Canvas<'a> {
             })
             .collect();
         let occlusion = Occlusion::new(scene, camera, size);
-        let albedo = scene.materials.iter().map(|paint| shade::linear(paint.color)).collect();
+        let albedo = scene.materials.iter().map(|paint| linear(paint.color)).collect();
         Self { scene, camera, size, samples, occlusion, screen, layers, albedo }
     }
 
@@ -90,7 +91,7 @@ impl<'a> Canvas<'a> {
         for row in rows.clone() {
             for column in 0..width {
                 let light = self.pixel(&targets, [column, row], sample_rows.start, &mut seen);
-                pixels.extend(shade::encode(light));
+                pixels.extend(encode(light));
             }
         }
         pixels

@@ -96,8 +96,8 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::sides::Sides;
     use crate::section::Sections;
+    use crate::sides::Sides;
 
     const FRAME: Frame = Frame { min: Vec2::new(100.0, 50.0), max: Vec2::new(500.0, 350.0) };
 

@@ -23,7 +23,6 @@ mod scale;
 mod scene;
 mod selection;
 mod shade;
-mod sides;
 mod text;
 mod view;
 mod viewpoint;
@@ -39,11 +38,11 @@ use crate::direction;
 use crate::label::Label;
 use crate::mesh::Mesh;
 use crate::section::Sections;
+use crate::sides::Sides;
 
 use camera::{Camera, Frame};
 use scene::Scene;
 use selection::Selection;
-use sides::Sides;
 
 pub use viewpoint::{Side, Viewpoint, parse_direction};
 

@@ -5,8 +5,8 @@ use image::RgbaImage;
 
 use super::camera::Frame;
 use super::scene::Paint;
-use super::shade::{encode, linear};
 use super::text::{Font, blend};
+use crate::color::{encode, linear};
 
 /// Steps of colour.
 const STEPS: usize = 64;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::camera::{Camera, Frame};
 use super::raster::{NOTHING, Target};
 use super::scene::{Facet, Scene};
-use super::sides::Sides;
+use crate::sides::Sides;
 
 /// Directions around the body's axis, and their heights above its middle.
 const TURNS: usize = 12;

@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-use super::sides::Sides;
 use crate::direction;
+use crate::sides::Sides;
 
 /// From where a picture is taken.
 #[derive(Debug, Clone, PartialEq)]

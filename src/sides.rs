@@ -50,7 +50,14 @@ impl Sides {
     /// The directions as the renderer takes them: up, front, and what is on the
     /// right of who looks at the front.
     pub fn seen(&self) -> [Vec3; 3] {
-        [self.up, self.front, self.up.cross(self.front)].map(|direction| direction.as_vec3())
+        let [right, up, front] = self.axes();
+        [up, front, right].map(|direction| direction.as_vec3())
+    }
+
+    /// The axes of coordinates in which y is up, z points to who looks at the front, and x to the
+    /// right of that person.
+    pub fn axes(&self) -> [DVec3; 3] {
+        [self.up.cross(self.front), self.up, self.front]
     }
 
     /// The rotation to the camera's space, which takes a direction to +z, towards the viewer,
@@ -100,6 +107,12 @@ fn pile(sections: &Sections) -> Option<DVec3> {
     (!others.is_empty() && size[number] >= size.max_element()).then_some(axis)
 }
 
+impl Default for Sides {
+    fn default() -> Self {
+        PLAIN
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,6 +156,9 @@ mod tests {
         assert_eq!(in_frame("ras"), sides(z, y, x));
         assert_eq!(in_frame("RSA"), sides(y, z, x));
         assert_eq!(in_frame("PIR"), sides(-y, -x, z));
+        // A graphics program sees the patient's left on the right.
+        assert_eq!(in_frame("LPS").axes(), [x, z, -y]);
+        assert_eq!(in_frame("RAS").axes(), [-x, z, y]);
         // Not so of a projection, or where an axis is missing.
         for other in ["", "UTM 33N", "RAP", "LLS", "LPSI", "XYZ"] {
             assert_eq!(in_frame(other), PLAIN, "{other}");
