@@ -59,6 +59,8 @@ struct Output {
     target: PathBuf,
     /// Whether `target` is a device or a pipe.
     special: bool,
+    /// The folder that is made for it, if it is not there.
+    new_folder: Option<PathBuf>,
     temporary: NamedTempFile,
     /// Dropped after the file itself.
     _listed: Listed,
@@ -105,7 +107,21 @@ impl Outputs {
     /// # Errors
     /// As [`Outputs::reserve`].
     pub fn add(&mut self, path: &Path) -> Result<()> {
-        let output = Output::reserve(path)?;
+        self.push(Output::reserve(path, None)?)
+    }
+
+    /// The same for a file whose folder appears with it, if it is not there.
+    ///
+    /// # Errors
+    /// As [`Outputs::reserve`].
+    pub fn add_with_folder(&mut self, path: &Path) -> Result<()> {
+        let folder = folder_of(path);
+        let is_there = fs::metadata(&folder).is_ok();
+        self.push(Output::reserve(path, (!is_there).then_some(folder))?)
+    }
+
+    fn push(&mut self, output: Output) -> Result<()> {
+        let path = &output.path;
         if self.files.iter().any(|other| other.target == output.target && !output.special) {
             return Err(Error::file(path, "is named twice as an output"));
         }
@@ -177,7 +193,7 @@ impl Outputs {
 }
 
 impl Output {
-    fn reserve(path: &Path) -> Result<Self> {
+    fn reserve(path: &Path, new_folder: Option<PathBuf>) -> Result<Self> {
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let special = match fs::metadata(&target) {
             Ok(about) if about.is_dir() => {
@@ -188,10 +204,15 @@ impl Output {
             // It could not be renamed to either: its name is too long, for one.
             Err(error) => return Err(write_error(path, &error)),
         };
-        let folder = if special { std::env::temp_dir() } else { folder_of(&target) };
+        let folder = match &new_folder {
+            _ if special => std::env::temp_dir(),
+            Some(folder) => folder_of(folder),
+            None => folder_of(&target),
+        };
         let temporary = new_file(&folder).map_err(|error| write_error(path, &error))?;
         let listed = Listed::new(temporary.path());
-        Ok(Self { path: path.to_owned(), target, special, temporary, _listed: listed })
+        let path = path.to_owned();
+        Ok(Self { path, target, special, new_folder, temporary, _listed: listed })
     }
 
     fn copy(self) -> Result<()> {
@@ -205,19 +226,26 @@ impl Output {
 
     /// Puts the file in its place; what was there is kept aside unless it is the only one.
     fn rename(self, is_alone: bool) -> Result<Moved> {
-        let Self { path, target, temporary, .. } = self;
+        let Self { path, target, new_folder, temporary, .. } = self;
         let failed = |error| write_error(&path, &error);
+        // It may have appeared with another file.
+        let folder = new_folder.filter(|folder| !folder.is_dir());
+        if let Some(folder) = &folder {
+            fs::create_dir(folder).map_err(failed)?;
+        }
         let is_there = fs::metadata(&target).is_ok_and(|about| about.is_file());
         let old = match is_there && !is_alone {
             true => Some(kept_aside(&target).map_err(failed)?),
             false => None,
         };
         match (temporary.persist(&target), old) {
-            (Ok(_), old) => Ok(Moved { target, old }),
+            (Ok(_), old) => Ok(Moved { target, old, folder }),
+            (Err(error), None) => {
+                folder.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+                Err(failed(error.error))
+            }
             (Err(error), old) => {
-                if let Some(old) = old {
-                    Moved { target, old: Some(old) }.undo();
-                }
+                Moved { target, old, folder }.undo();
                 Err(failed(error.error))
             }
         }
@@ -229,6 +257,8 @@ struct Moved {
     target: PathBuf,
     /// What was there before; removed when it is dropped.
     old: Option<TempPath>,
+    /// The folder that was made for it.
+    folder: Option<PathBuf>,
 }
 
 impl Moved {
@@ -238,6 +268,9 @@ impl Moved {
         match self.old {
             Some(old) => drop(old.persist(&self.target)),
             None => drop(fs::remove_file(&self.target)),
+        }
+        if let Some(folder) = self.folder {
+            let _ = fs::remove_dir(folder);
         }
     }
 }
@@ -337,6 +370,31 @@ mod tests {
         fs::remove_dir(folder.path().join("c")).unwrap();
         written(folder.path(), &["a", "b", "c"]).commit().unwrap();
         assert_eq!(content(folder.path()), files(&[("a", "new"), ("b", "new"), ("c", "new")]));
+    }
+
+    #[test]
+    fn a_folder_appears_with_its_files_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = ["b/1", "b/2", "c"].map(|name| folder.path().join(name));
+        let reserved = || {
+            let mut outputs = Outputs::default();
+            paths[..2].iter().for_each(|path| outputs.add_with_folder(path).unwrap());
+            outputs.add(&paths[2]).unwrap();
+            outputs
+        };
+        let outputs = reserved();
+        assert!(!folder.path().join("b").exists());
+        fs::create_dir(&paths[2]).unwrap();
+        outputs.commit().unwrap_err();
+        assert_eq!(content(folder.path()), files(&[("c", "a folder")]));
+        fs::remove_dir(&paths[2]).unwrap();
+        reserved().commit().unwrap();
+        assert_eq!(content(&folder.path().join("b")), files(&[("1", ""), ("2", "")]));
+        // Then it is there, and nothing of the next time is elsewhere.
+        let outputs = reserved();
+        assert_eq!(content(&folder.path().join("b")).len(), 4);
+        drop(outputs);
+        assert_eq!(content(&folder.path().join("b")).len(), 2);
     }
 
     #[test]

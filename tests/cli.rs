@@ -15,18 +15,32 @@ use tempfile::TempDir;
 #[test]
 fn every_kind_of_output_is_written_and_stdout_stays_empty() {
     let folder = folder();
-    let names = ["a.obj", "a.off", "a.ply", "a.png", "a.stl", "a.vdb", "a.vtp", "a.vtu"];
+    let names = [
+        "a.3mf", "a.glb", "a.obj", "a.off", "a.ply", "a.png", "a.stl", "a.vdb", "a.vtm", "a.vtp",
+        "a.vtu",
+    ];
     let report = folder.path().join("report.json");
     let more = ["--report", report.to_str().expect("a path in UTF-8")];
     let output = reconstruct(folder.path(), &names, &more);
     assert_done(&output);
     assert!(output.stdout.is_empty());
-    let mut expected: Vec<&str> = names.to_vec();
-    expected.push("report.json");
+    // With the folder that belongs to a.vtm, and a.mtl to a.obj.
+    let mut expected: Vec<&str> = [&["a", "a.mtl", "report.json"], &names[..]].concat();
+    expected.sort_unstable();
     assert_eq!(entries(folder.path()), expected);
+    let blocks: Vec<String> = (1..=7).map(|label| format!("a_{label}.vtp")).collect();
+    assert_eq!(entries(&folder.path().join("a")), blocks);
+    // Two of these kinds tell no labels apart.
+    let text = stderr(&output);
+    let warnings: Vec<&str> = text.lines().filter(|line| line.starts_with("warning: ")).collect();
+    assert_eq!(warnings.len(), 2, "{text}");
+    assert!(warnings[0].contains("a_{label}.off") && warnings[1].contains("a_{label}.stl"));
+    let output = reconstruct(folder.path(), &["b.stl"], &["--strict"]);
+    assert_refused(&output, &["b.stl", "7 labels", "b_{label}.stl", "--strict"]);
     for name in names {
         let size = fs::metadata(folder.path().join(name)).expect("it exists").len();
-        assert!(size > 1000, "{name} has {size} bytes");
+        let least = if name == "a.vtm" { 500 } else { 1000 };
+        assert!(size > least, "{name} has {size} bytes");
     }
 }
 
@@ -57,7 +71,7 @@ fn the_report_says_what_the_result_is_worth() {
 
 #[test]
 fn the_same_bytes_come_out_for_any_number_of_threads() {
-    let names = ["a.ply", "a.vdb", "a.png", "a.stl"];
+    let names = ["a.ply", "a.vdb", "a.png", "a.glb", "a.3mf"];
     let (one, four) = (folder(), folder());
     assert_done(&reconstruct(one.path(), &names, &["--device", "cpu", "--threads", "1"]));
     assert_done(&reconstruct(four.path(), &names, &["--device", "cpu", "--threads", "4"]));
@@ -143,7 +157,7 @@ fn a_full_disk_is_an_error_and_no_other_output_appears() {
     for full in ["full.ply", "full.vdb", "full.png"] {
         let folder = folder();
         std::os::unix::fs::symlink("/dev/full", folder.path().join(full)).expect("a link");
-        let output = reconstruct(folder.path(), &["a.obj", full], &["--quiet"]);
+        let output = reconstruct(folder.path(), &["a.obj", "a.vtm", full], &["--quiet"]);
         assert_refused(&output, &[full, "disk is full"]);
         assert_eq!(entries(folder.path()), [full]);
     }
@@ -397,10 +411,17 @@ fn contour_files_reconstruct() {
 #[test]
 fn a_surface_for_each_label_appears_with_the_others() {
     let folder = folder();
-    let output = reconstruct(folder.path(), &["a.vtp", "a_{label}.off", "b_{name}.vtu"], &[]);
+    let outputs =
+        ["a.vtp", "a_{label}.off", "b_{name}.vtu", "c_{label}.obj", "c_{name}.vtm", "d_{name}.glb"];
+    let output = reconstruct(folder.path(), &outputs, &[]);
     assert_done(&output);
+    assert!(!stderr(&output).contains("warning"), "{}", stderr(&output));
     let names = entries(folder.path());
-    assert_eq!(names.len(), 1 + 7 + 7, "{names:?}");
+    assert_eq!(names.len(), 1 + 7 + 7 + 2 * 7 + 2 * 7 + 7, "{names:?}");
+    assert_eq!(entries(&folder.path().join("c_liver")), ["c_liver_3.vtp"]);
+    for name in ["c_3.mtl", "c_liver.vtm", "d_liver.glb"] {
+        assert!(names.contains(&name.to_owned()), "{names:?}");
+    }
     for label in 1..=7 {
         // Every one is closed and faces outward: it is no distance from
         // itself, without a warning.

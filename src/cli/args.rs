@@ -59,7 +59,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct ReconstructArguments {
-    /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a picture: .png; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
+    /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a picture: .png; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     #[command(flatten)]

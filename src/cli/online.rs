@@ -268,8 +268,8 @@ impl<'a> Online<'a> {
         };
         let results = Results::new([model], &self.grids, picture)?;
         for target in targets {
-            let files = target.files(materials)?;
-            files.iter().try_for_each(|(path, _)| outputs.add(path))?;
+            target.reserve_known(outputs)?;
+            target.reserve_named(outputs, materials)?;
         }
         let mut context = Context {
             stages: std::mem::take(stages),
@@ -299,6 +299,10 @@ impl<'a> Online<'a> {
         }
         outputs.commit()?;
         if !self.arguments.quiet {
+            let materials = &self.session.model().sections().materials;
+            for doubt in self.targets.iter().filter_map(|target| target.doubt(materials)) {
+                tell_shortened(&format!("warning: {doubt}"));
+            }
             print_found(&report);
             table::print(&report);
         }
@@ -344,7 +348,6 @@ fn words(arguments: &OnlineArguments) -> Result<Value> {
 
 /// Makes sure that what is written at the end can be, and that no two names are the same.
 fn reserve(targets: &[Target], arguments: &OnlineArguments) -> Result<()> {
-    let known = arguments.output.iter().zip(targets).filter(|(_, target)| !target.is_pattern());
-    let known = known.map(|(path, _)| path).chain(&arguments.report);
-    Outputs::reserve(known.map(|path| path.as_path())).map(|_| ())
+    let mut outputs = Outputs::reserve(arguments.report.as_deref())?;
+    targets.iter().try_for_each(|target| target.reserve_known(&mut outputs))
 }

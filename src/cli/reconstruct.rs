@@ -50,9 +50,15 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     if !arguments.quiet {
         print_warnings(&all);
     }
-    for target in targets.iter().filter(|target| target.is_pattern()) {
-        let files = target.files(&all.materials)?;
-        files.iter().try_for_each(|(path, _)| outputs.add(path))?;
+    for target in &targets {
+        target.reserve_named(&mut outputs, &all.materials)?;
+        match target.doubt(&all.materials) {
+            Some(doubt) if arguments.input.reading.strict => {
+                return Err(Error::Option(doubt).avoidable(Remedy::NotStrict));
+            }
+            Some(doubt) if !arguments.quiet => tell_shortened(&format!("warning: {doubt}")),
+            _ => (),
+        }
     }
     if targets.iter().any(|target| target.kind == Kind::Vdb) {
         require_grids(&grids, &all.materials)?;
@@ -170,8 +176,9 @@ fn require_picture(arguments: &PictureArguments, targets: &[Target]) -> Result<(
 
 /// All files whose names are known before anything is read.
 fn reserve(arguments: &ReconstructArguments, targets: &[Target]) -> Result<Outputs> {
-    let known = arguments.output.iter().zip(targets).filter(|(_, target)| !target.is_pattern());
-    let known = known.map(|(path, _)| path);
-    let json = arguments.report.iter().chain(&arguments.exact);
-    Outputs::reserve(known.chain(json).map(|path| path.as_path()))
+    let mut outputs = Outputs::default();
+    targets.iter().try_for_each(|target| target.reserve_known(&mut outputs))?;
+    let mut json = arguments.report.iter().chain(&arguments.exact);
+    json.try_for_each(|path| outputs.add(path))?;
+    Ok(outputs)
 }

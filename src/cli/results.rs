@@ -141,6 +141,7 @@ fn surfaces<'a>(model: &'a Model, derived: &'a Derived) -> Cow<'a, Mesh> {
     }
 }
 
+/// Writes a file and those beside it.
 fn write_surface(
     outputs: &mut Outputs,
     path: &Path,
@@ -148,9 +149,17 @@ fn write_surface(
     mesh: &Mesh,
     about: &About,
 ) -> Result<()> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let about = &About { stem: &stem, ..*about };
     outputs.write(path, |out| {
         write_mesh(kind, mesh, about, out).map_err(|error| write_error(path, &error))
-    })
+    })?;
+    for (path, beside) in kind.beside(path, about.materials) {
+        outputs.write(&path, |out| {
+            beside.write(mesh, about, out).map_err(|error| write_error(&path, &error))
+        })?;
+    }
+    Ok(())
 }
 
 /// How pictures are drawn, of these materials.

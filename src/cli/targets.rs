@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::io::mesh::MeshKind;
 use crate::io::volume::write::VolumeKind;
 use crate::label::{Label, Material};
+use crate::output::Outputs;
 
 /// In the name of an output, what stands for the label's number.
 const LABEL: &str = "{label}";
@@ -32,7 +33,8 @@ impl Kind {
             _ => VolumeKind::of(path).map(Self::Volume).ok_or_else(|| Error::file(
                 path,
                 "this kind of file is not known: the name of an output ends in .vdb, .ply, .vtp, \
-                 .vtu, .obj, .stl, .off, .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti or .png",
+                 .vtu, .vtm, .glb, .3mf, .obj, .stl, .off, .nrrd, .seg.nrrd, .nii, .nii.gz, \
+                 .mha, .vti or .png",
             )),
         }
     }
@@ -89,6 +91,59 @@ impl Target {
         self.path.to_str().is_some_and(|path| path.contains(LABEL) || path.contains(NAME))
     }
 
+    /// Reserves the files whose names are known before anything is read.
+    pub fn reserve_known(&self, outputs: &mut Outputs) -> Result<()> {
+        if self.is_pattern() {
+            return Ok(());
+        }
+        outputs.add(&self.path)?;
+        self.beside(&self.path, &[]).iter().try_for_each(|path| outputs.add(path))
+    }
+
+    /// Reserves the others: those that are called after materials.
+    pub fn reserve_named(&self, outputs: &mut Outputs, materials: &[Material]) -> Result<()> {
+        if !self.is_pattern() {
+            let known = self.beside(&self.path, &[]);
+            let all = self.beside(&self.path, materials);
+            let mut named = all.iter().filter(|path| !known.contains(path));
+            return named.try_for_each(|path| outputs.add_with_folder(path));
+        }
+        for (path, label) in self.files(materials)? {
+            outputs.add(&path)?;
+            let own = materials.iter().find(|material| Some(Label(material.id)) == label);
+            let beside = self.beside(&path, own.map(std::slice::from_ref).unwrap_or_default());
+            beside.iter().try_for_each(|path| outputs.add_with_folder(path))?;
+        }
+        Ok(())
+    }
+
+    fn beside(&self, path: &Path, materials: &[Material]) -> Vec<PathBuf> {
+        match self.kind {
+            Kind::Mesh(kind) => {
+                kind.beside(path, materials).into_iter().map(|(path, _)| path).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// What is doubtful about writing these materials to it.
+    pub fn doubt(&self, materials: &[Material]) -> Option<String> {
+        let Kind::Mesh(kind) = self.kind else { return None };
+        if kind.knows_labels() || self.is_pattern() || materials.len() < 2 {
+            return None;
+        }
+        let [stem, ending] = [self.path.file_stem(), self.path.extension()]
+            .map(|part| part.unwrap_or_default().to_string_lossy().into_owned());
+        let pattern = self.path.with_file_name(format!("{stem}_{LABEL}.{ending}"));
+        Some(format!(
+            "{}: its {} labels cannot be told apart in this kind of file, and walls between them \
+             are in it once: for a closed surface of each, name it {}",
+            self.path.display(),
+            materials.len(),
+            pattern.display()
+        ))
+    }
+
     /// Its files: one, or one for each material.
     pub fn files(&self, materials: &[Material]) -> Result<Vec<(PathBuf, Option<Label>)>> {
         let pattern = match self.path.to_str() {
@@ -131,6 +186,23 @@ mod tests {
         let both = names("x/{label}_{name}.stl", &materials);
         assert_eq!(both, Ok(vec!["x/2_left_lung.stl".into(), "x/30_a_b___label_.stl".into()]));
         assert_eq!(names("all.stl", &materials), Ok(vec!["all.stl".into()]));
+    }
+
+    #[test]
+    fn several_labels_in_a_kind_that_knows_none_are_doubtful() {
+        let materials = [material(1, "a"), material(2, "b")];
+        let doubt = |path: &str, materials: &[Material]| {
+            Target::new(Path::new(path)).expect("a kind").doubt(materials)
+        };
+        for ending in ["stl", "OFF"] {
+            let what = doubt(&format!("x/a.b.{ending}"), &materials).expect("a doubt");
+            assert!(what.contains(&format!("name it x/a.b_{{label}}.{ending}")), "{what}");
+        }
+        assert_eq!(doubt("a.stl", &materials[..1]), None);
+        assert_eq!(doubt("a_{name}.stl", &materials), None);
+        for ending in ["ply", "obj", "glb", "3mf", "vtm", "vtp", "vtu", "vdb", "png"] {
+            assert_eq!(doubt(&format!("a.{ending}"), &materials), None);
+        }
     }
 
     #[test]

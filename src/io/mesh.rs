@@ -2,16 +2,17 @@
 
 use std::collections::HashMap;
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use super::vtk::{self, DataSet};
-use super::{obj, off, ply, stl};
+use super::{glb, obj, off, ply, stl, threemf, vtm};
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::section::Sections;
+use crate::sides::Sides;
 
 /// The kinds of files that meshes are read from.
 pub const MESH_KINDS: &str = ".ply, .obj, .stl, .off";
@@ -21,7 +22,7 @@ pub const MESH_KINDS: &str = ".ply, .obj, .stl, .off";
 pub enum MeshKind {
     /// Stanford polygons, binary: keeps everything.
     Ply,
-    /// Wavefront: a group for each pair of labels.
+    /// Wavefront: an object for each label; colours are in a file beside it.
     Obj,
     /// Stereolithography, binary: single precision, no labels.
     Stl,
@@ -31,6 +32,12 @@ pub enum MeshKind {
     Vtp,
     /// VTK's unstructured grid, the same; written only.
     Vtu,
+    /// VTK's multiblock data set, a block for each label in a file of its own; written only.
+    Vtm,
+    /// Binary glTF, single precision: a node for each label; written only.
+    Glb,
+    /// For printers: an object for each label; written only.
+    Threemf,
 }
 
 impl MeshKind {
@@ -43,7 +50,51 @@ impl MeshKind {
             "off" => Some(Self::Off),
             "vtp" => Some(Self::Vtp),
             "vtu" => Some(Self::Vtu),
+            "vtm" => Some(Self::Vtm),
+            "glb" => Some(Self::Glb),
+            "3mf" => Some(Self::Threemf),
             _ => None,
+        }
+    }
+
+    /// Whether it says which triangles are of which label.
+    pub fn knows_labels(self) -> bool {
+        !matches!(self, Self::Stl | Self::Off)
+    }
+
+    /// The files beside one of this kind that belong to it, with what they hold.
+    pub fn beside(self, path: &Path, materials: &[Material]) -> Vec<(PathBuf, Beside)> {
+        let block = |label: Label| (vtm::block(path, label), Beside::Block(label));
+        match self {
+            Self::Obj => vec![(path.with_extension(obj::MATERIALS), Beside::Materials)],
+            Self::Vtm => materials.iter().map(|material| block(Label(material.id))).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// What a file holds that belongs to another one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beside {
+    /// The colours of the materials of an `.obj`.
+    Materials,
+    /// The surface of a label in a `.vtm`.
+    Block(Label),
+}
+
+impl Beside {
+    /// Writes it, for the mesh that the other file is written from.
+    ///
+    /// # Errors
+    /// As [`write_mesh`].
+    pub fn write(self, mesh: &Mesh, about: &About, out: &mut dyn Write) -> std::io::Result<()> {
+        match self {
+            Self::Materials => obj::write_materials(mesh, about, out),
+            Self::Block(label) => {
+                let own = [about.material(label)];
+                let part = mesh.surface(label).into_mesh(label);
+                write_mesh(MeshKind::Vtp, &part, &About { materials: &own, ..*about }, out)
+            }
         }
     }
 }
@@ -57,11 +108,22 @@ pub struct About<'a> {
     pub units: &'a str,
     /// The frame of the coordinates; empty when unknown.
     pub frame: &'a str,
+    /// Which way is up, and where the front is.
+    pub sides: Sides,
+    /// The file's own name less its ending, after which files beside it are called; empty where
+    /// there are none.
+    pub stem: &'a str,
 }
 
 impl<'a> From<&'a Sections> for About<'a> {
     fn from(sections: &'a Sections) -> Self {
-        Self { materials: &sections.materials, units: &sections.units, frame: &sections.frame }
+        Self {
+            materials: &sections.materials,
+            units: &sections.units,
+            frame: &sections.frame,
+            sides: Sides::of(sections),
+            stem: "",
+        }
     }
 }
 
@@ -69,11 +131,14 @@ impl About<'_> {
     /// A line for each thing known, to be put into a comment.
     pub(super) fn lines(&self) -> Vec<String> {
         let mut lines = vec!["made by transect".to_owned()];
+        // First of all, for STL cuts them short, and Slicer looks for it.
+        match self.space() {
+            Some(space) => lines.push(format!("SPACE={space}")),
+            None if self.frame.is_empty() => (),
+            None => lines.push(format!("frame {}", self.frame)),
+        }
         if !self.units.is_empty() {
             lines.push(format!("units {}", self.units));
-        }
-        if !self.frame.is_empty() {
-            lines.push(format!("SPACE={}", self.frame));
         }
         let names = self.materials.iter();
         lines.extend(names.map(|material| format!("label {} {}", material.id, material.name)));
@@ -83,16 +148,30 @@ impl About<'_> {
         lines
     }
 
+    /// The frame by the name that programs for medical images look for, if it is one of theirs.
+    pub(super) fn space(&self) -> Option<&'static str> {
+        let frame = self.frame.trim();
+        ["LPS", "RAS"].into_iter().find(|known| known.eq_ignore_ascii_case(frame))
+    }
+
     /// The colour of a label.
     pub(super) fn color(&self, label: Label) -> [u8; 3] {
-        let known = self.materials.iter().find(|material| material.id == label.0);
-        known.map_or_else(|| Material::numbered(label).color, |material| material.color)
+        self.known(label).map_or_else(|| Material::numbered(label).color, |known| known.color)
+    }
+
+    /// The name and colour of a label.
+    pub(super) fn material(&self, label: Label) -> Material {
+        self.known(label).cloned().unwrap_or_else(|| Material::numbered(label))
+    }
+
+    fn known(&self, label: Label) -> Option<&Material> {
+        self.materials.iter().find(|material| material.id == label.0)
     }
 }
 
-/// Writes a mesh. Of a network of several labels all triangles are written,
-/// those between materials, too; PLY and VTK say which is which, and OBJ in the
-/// names of its groups.
+/// Writes a mesh. Of a network of several labels PLY, VTP, VTU, STL and OFF have all triangles,
+/// those between materials, too, and the first three say which is which. The others have the
+/// closed surface of each label; what [`MeshKind::beside`] names belongs to it.
 ///
 /// # Errors
 /// What the writer says, and where a number does not fit into the format.
@@ -110,6 +189,9 @@ pub fn write_mesh(
         MeshKind::Off => off::write(mesh, about, &mut out),
         MeshKind::Vtp => vtk::write(DataSet::PolyData, mesh, about, &mut out),
         MeshKind::Vtu => vtk::write(DataSet::UnstructuredGrid, mesh, about, &mut out),
+        MeshKind::Vtm => vtm::write(about, &mut out),
+        MeshKind::Glb => glb::write(mesh, about, &mut out),
+        MeshKind::Threemf => threemf::write(mesh, about, &mut out),
     }?;
     out.flush()
 }
@@ -122,7 +204,7 @@ pub fn write_mesh(
 /// Where the file cannot be read, is empty, damaged, or has no triangle.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
     let kind = match MeshKind::of(path) {
-        Some(MeshKind::Vtp | MeshKind::Vtu) => {
+        Some(MeshKind::Vtp | MeshKind::Vtu | MeshKind::Vtm | MeshKind::Glb | MeshKind::Threemf) => {
             let what = format!("this kind is written, not read: meshes are read from {MESH_KINDS}");
             return Err(Error::file(path, what));
         }
@@ -136,7 +218,9 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
     let mesh = match kind {
         MeshKind::Ply => ply::read(&bytes, path)?,
         MeshKind::Stl => stl::read(&bytes, path)?.mesh(path)?,
-        MeshKind::Obj => obj::read(&String::from_utf8_lossy(&bytes), path)?.mesh(path)?,
+        MeshKind::Obj => {
+            obj::united(obj::read(&String::from_utf8_lossy(&bytes), path)?.mesh(path)?)
+        }
         _ => off::read(&String::from_utf8_lossy(&bytes), path)?.mesh(path)?,
     };
     if mesh.triangles.is_empty() {
@@ -185,7 +269,7 @@ impl Soup {
     }
 
     /// As a mesh; points in the same place become one.
-    fn mesh(self, path: &Path) -> Result<Mesh> {
+    pub fn mesh(self, path: &Path) -> Result<Mesh> {
         let count = self.points.len();
         let missing = |&&corner: &&u32| corner as usize >= count;
         if let Some(corner) = self.triangles.iter().flatten().find(missing) {
@@ -233,7 +317,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         let materials = [Material::numbered(Label(1))];
-        let about = About { materials: &materials, units: "mm", frame: "LPS" };
+        let about = About { materials: &materials, units: "mm", frame: "LPS", ..About::default() };
         let mut bytes = Vec::new();
         write_mesh(MeshKind::of(&path).unwrap(), mesh, &about, &mut bytes).unwrap();
         std::fs::write(&path, bytes).unwrap();
@@ -247,9 +331,12 @@ mod tests {
     #[test]
     fn ply_obj_and_off_keep_every_digit() {
         let ball = ball();
-        for name in ["ball.ply", "ball.obj", "ball.OFF"] {
+        for name in ["ball.ply", "ball.OFF"] {
             assert_eq!(round_trip(&ball, name), ball, "{name}");
         }
+        // The vertices of a label have an order of their own.
+        let own = ball.surface(Label(1)).into_mesh(Label(1));
+        assert_eq!(round_trip(&ball, "ball.obj"), own);
     }
 
     #[test]
@@ -293,7 +380,9 @@ mod tests {
             read_mesh(&path).unwrap_err().to_string()
         };
         assert!(bad("a.xyz", "1").contains("kind"));
-        assert!(bad("a.vtp", "1").contains("not read"));
+        for name in ["a.vtp", "a.glb", "a.3mf", "a.vtm"] {
+            assert!(bad(name, "1").contains("not read"));
+        }
         assert!(bad("a.off", "").contains("empty"));
         assert!(bad("b.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n").contains("b.off"));
         assert!(bad("c.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n").contains("c.off"));

@@ -1,9 +1,11 @@
 //! Files of sections, by the ending of their name.
 
+mod bodies;
 pub mod contour;
 pub mod csl;
 pub mod dicom;
 pub mod exact;
+pub mod glb;
 pub mod images;
 pub mod json;
 pub mod mesh;
@@ -16,9 +18,12 @@ pub mod ply;
 pub mod stl;
 pub mod structures;
 mod text;
+pub mod threemf;
+mod units;
 pub mod vdb;
 pub mod volume;
 pub mod vtk;
+pub mod vtm;
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};

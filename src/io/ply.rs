@@ -15,8 +15,8 @@ use crate::error::{Error, Result};
 use crate::label::Label;
 use crate::mesh::{Mesh, back_and_front};
 
-/// Writes binary PLY: double coordinates; for each face its vertices, the
-/// labels behind and in front of it, and the colour of the label behind.
+/// Writes binary PLY: double coordinates and a colour for each vertex; for each face its
+/// vertices, the labels behind and in front of it, and the colour of the label behind.
 pub fn write(mesh: &Mesh, about: &About, out: &mut dyn Write) -> std::io::Result<()> {
     write!(out, "ply\nformat binary_little_endian 1.0\n")?;
     for line in about.lines() {
@@ -24,14 +24,16 @@ pub fn write(mesh: &Mesh, about: &About, out: &mut dyn Write) -> std::io::Result
     }
     writeln!(out, "element vertex {}", mesh.vertices.len())?;
     write!(out, "property double x\nproperty double y\nproperty double z\n")?;
+    write!(out, "property uchar red\nproperty uchar green\nproperty uchar blue\n")?;
     writeln!(out, "element face {}", mesh.triangles.len())?;
     writeln!(out, "property list uchar int vertex_indices")?;
     write!(out, "property int label_back\nproperty int label_front\n")?;
     write!(out, "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")?;
-    for vertex in &mesh.vertices {
+    for (vertex, label) in mesh.vertices.iter().zip(shown(mesh)) {
         for number in vertex.to_array() {
             out.write_all(&number.to_le_bytes())?;
         }
+        out.write_all(&about.color(label))?;
     }
     for (triangle, sides) in mesh.triangles.iter().zip(&mesh.sides) {
         out.write_all(&[3])?;
@@ -43,6 +45,19 @@ pub fn write(mesh: &Mesh, about: &About, out: &mut dyn Write) -> std::io::Result
         out.write_all(&about.color(sides[0]))?;
     }
     Ok(())
+}
+
+/// The label whose colour a vertex has, for programs that know no colours of faces. Where labels
+/// meet it is one that is seen from outside, and of several the smallest.
+fn shown(mesh: &Mesh) -> Vec<Label> {
+    let mut best = vec![(true, Label::UNKNOWN); mesh.vertices.len()];
+    for (triangle, [back, front]) in mesh.triangles.iter().zip(&mesh.sides) {
+        for &vertex in triangle {
+            let best = &mut best[vertex as usize];
+            *best = (*best).min((front.is_material(), *back));
+        }
+    }
+    best.into_iter().map(|(_, label)| label).collect()
 }
 
 /// Reads text or binary PLY, of ours and of others.
@@ -158,6 +173,19 @@ mod tests {
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 1]]);
         let (outside, one, two) = (Label::OUTSIDE, Label(1), Label(2));
         assert_eq!(mesh.sides, [[two, outside], [two, outside], [one, two]]);
+    }
+
+    #[test]
+    fn vertices_show_what_is_seen_from_outside() {
+        use crate::io::bodies::tests::two_tetrahedra;
+        let mut mesh = two_tetrahedra();
+        // The corners of the wall, then the tops of both.
+        assert_eq!(shown(&mesh), [1, 1, 1, 1, 4].map(Label));
+        for sides in &mut mesh.sides {
+            *sides = [Label(4), Label::OUTSIDE];
+        }
+        mesh.sides[0] = [Label(1), Label(4)];
+        assert_eq!(shown(&mesh), [Label(4); 5]);
     }
 
     #[test]

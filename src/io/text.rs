@@ -164,6 +164,23 @@ pub(super) fn listed(words: &[String]) -> String {
     format!("{}{more}", words[..words.len() - rest].join(", "))
 }
 
+/// A text as the value of an attribute in XML, which has no place for control characters.
+pub(super) fn attribute(text: &str) -> String {
+    let mut value = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => value.push_str("&amp;"),
+            '<' => value.push_str("&lt;"),
+            '>' => value.push_str("&gt;"),
+            '"' => value.push_str("&quot;"),
+            '\u{fffe}' | '\u{ffff}' => value.push(' '),
+            character if character.is_control() => value.push(' '),
+            character => value.push(character),
+        }
+    }
+    value
+}
+
 /// A word for an error: not too long.
 pub(super) fn shortened(word: &str) -> String {
     let mut short: String = word.chars().take(24).collect();

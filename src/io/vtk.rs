@@ -26,8 +26,9 @@ pub enum DataSet {
     UnstructuredGrid,
 }
 
-/// Writes all triangles with the cell arrays `label_back` and `label_front`,
-/// and the materials as field data.
+/// Writes all triangles with the cell arrays `label_back` and `label_front`, both once more as
+/// `boundary_labels`, which is what VTK's own filters and pyvista call them, and the materials as
+/// field data.
 pub fn write(set: DataSet, mesh: &Mesh, about: &About, out: &mut dyn Write) -> Result<()> {
     let kind = match set {
         DataSet::PolyData => "PolyData",
@@ -88,6 +89,7 @@ fn write_piece(set: DataSet, mesh: &Mesh, arrays: &mut Arrays) -> Result<()> {
     writeln!(arrays.out, "</{element}>\n<CellData Scalars=\"label_back\">")?;
     arrays.add("type=\"Int32\" Name=\"label_back\"", cells, 4)?;
     arrays.add("type=\"Int32\" Name=\"label_front\"", cells, 4)?;
+    arrays.add("type=\"Int32\" Name=\"boundary_labels\" NumberOfComponents=\"2\"", 2 * cells, 4)?;
     writeln!(arrays.out, "</CellData>\n</Piece>")
 }
 
@@ -108,7 +110,8 @@ fn write_data(set: DataSet, mesh: &Mesh, out: &mut dyn Write) -> Result<()> {
         let labels = mesh.sides.iter().map(|sides| u64::from(sides[side].0));
         write_numbers(4 * cells, labels, out)?;
     }
-    Ok(())
+    let pairs = mesh.sides.as_flattened().iter().map(|label| u64::from(label.0));
+    write_numbers(8 * cells, pairs, out)
 }
 
 fn write_numbers(
@@ -149,7 +152,9 @@ fn write_fields(about: &About, out: &mut dyn Write) -> Result<()> {
         let names: Vec<&str> = materials.iter().map(|material| material.name.as_str()).collect();
         write_strings("label_names", &names, out)?;
     }
-    for (name, text) in [("units", about.units), ("frame", about.frame)] {
+    // What Slicer looks for.
+    let space = about.space().unwrap_or_default();
+    for (name, text) in [("units", about.units), ("frame", about.frame), ("SPACE", space)] {
         if !text.is_empty() {
             write_strings(name, &[text], out)?;
         }
@@ -202,7 +207,7 @@ mod tests {
     #[test]
     fn offsets_lead_to_the_arrays() {
         let material = Material { id: 7, name: "a<b".to_owned(), color: [1, 2, 3] };
-        let about = About { materials: &[material], units: "mm", frame: "" };
+        let about = About { materials: &[material], units: "mm", frame: "lps", ..About::default() };
         for set in [DataSet::PolyData, DataSet::UnstructuredGrid] {
             let mut bytes = Vec::new();
             write(set, &square(), &about, &mut bytes).unwrap();
@@ -214,9 +219,12 @@ mod tests {
             assert_eq!(ints("offsets"), [3, 6]);
             assert_eq!(ints("label_back"), [1, 1]);
             assert_eq!(ints("label_front"), [0, 7]);
+            assert_eq!(ints("boundary_labels"), [1, 0, 1, 7]);
             assert_eq!(array(&bytes, "Points")[9 * 8 - 8..9 * 8], 1.0f64.to_le_bytes());
             let text = String::from_utf8_lossy(&bytes);
             assert!(text.contains(">97 60 98 0</Array>"), "a name needs no escapes: {text}");
+            let space = "Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">76 80 83 0<";
+            assert!(text.contains(space), "{text}");
             if set == DataSet::UnstructuredGrid {
                 assert_eq!(array(&bytes, "types"), [5, 5]);
             }

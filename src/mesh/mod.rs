@@ -93,6 +93,23 @@ impl Surface {
             .sum()
     }
 
+    /// For each vertex the mean of the normals of the triangles around it, weighted by their
+    /// angles there: of length 1, and along z where they leave none.
+    pub fn vertex_normals(&self) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; self.vertices.len()];
+        for (index, triangle) in self.triangles.iter().enumerate() {
+            let corners = self.corners(index);
+            let [a, b, c] = corners;
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            for at in 0..3 {
+                let [one, other] = [1, 2].map(|step| corners[(at + step) % 3] - corners[at]);
+                let angle = one.cross(other).length().atan2(one.dot(other));
+                sums[triangle[at] as usize] += angle * normal;
+            }
+        }
+        sums.into_iter().map(|sum| sum.normalize_or(DVec3::Z)).collect()
+    }
+
     /// The enclosed volume by the divergence theorem, in cubic world units:
     /// positive when the surface is oriented outward.
     pub fn volume(&self) -> f64 {

@@ -35,7 +35,7 @@ pub struct OnlineArguments {
     /// Say with every change which patches of the surface are others than before
     #[arg(long)]
     pub patches: bool,
-    /// An output file, written at the end, its kind by its name: .vdb, .ply, .vtp, .vtu, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
+    /// An output file, written at the end, its kind by its name: .vdb, .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off, .png; can be repeated. A surface with {label} or {name} in its name is written once for each material
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// The box that is filled, which no contour may leave. In it, and with --voxel-size, fields are evaluated and solved for only where a change concerns them [default: what the sections fill, anew with every change]
