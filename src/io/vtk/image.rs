@@ -36,7 +36,8 @@ pub fn write_image(voxels: &Voxels, layer: &VoxelLayer, out: &mut dyn Write) -> 
         words(spacing)
     )?;
     let Voxels { units, frame, .. } = voxels;
-    write_fields(&About { materials: &layer.materials, units, frame }, out)?;
+    let about = About { materials: &layer.materials, units, frame, ..About::default() };
+    write_fields(&about, out)?;
     writeln!(
         out,
         "<Piece Extent=\"{extent}\">\n<PointData Scalars=\"label\">\n<DataArray type=\"{kind}\" \

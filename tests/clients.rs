@@ -1,0 +1,198 @@
+//! Surfaces as the programs that people open them with see them: the scripts in `tests/clients`
+//! open files with trimesh, VTK, lib3mf and Blender, and say what is in them. Python is the one
+//! that `TRANSECT_PYTHON` names, or that of `target/clients-venv`, where `./x test` puts what
+//! `requirements.txt` lists.
+
+#[path = "common/program.rs"]
+mod program;
+#[path = "common/skipped.rs"]
+mod skipped;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+use program::*;
+use serde::Deserialize;
+use tempfile::TempDir;
+use transect::io::{read_mesh, read_sections};
+use transect::{DVec3, Label, Rules};
+
+/// How far places may be off, in millimetres: single precision, and no more.
+const OFF: f64 = 1e-3;
+
+/// A body as a client has it, in world units.
+#[derive(Debug, Clone, Deserialize)]
+struct Solid {
+    closed: bool,
+    volume: f64,
+    centroid: [f64; 3],
+    min: [f64; 3],
+    max: [f64; 3],
+    color: Option<[u8; 3]>,
+}
+
+/// For every file the bodies in it, by name.
+type Found = BTreeMap<String, BTreeMap<String, Solid>>;
+
+/// The bundled example in every kind of file, and what is to be found in them.
+struct Written {
+    folder: TempDir,
+    expected: BTreeMap<String, Solid>,
+}
+
+fn written() -> &'static Written {
+    static WRITTEN: OnceLock<Written> = OnceLock::new();
+    WRITTEN.get_or_init(|| {
+        let folder = folder();
+        let names = [
+            "all.ply",
+            "all.glb",
+            "all.3mf",
+            "all.vtm",
+            "all.vtp",
+            "all.vtu",
+            "all.obj",
+            "{name}.stl",
+            "{name}.ply",
+            "{name}.glb",
+            "{name}.obj",
+            "{name}.off",
+        ];
+        assert_done(&reconstruct(folder.path(), &names, &["--quiet"]));
+        let expected = expected(&folder.path().join("all.ply"));
+        Written { folder, expected }
+    })
+}
+
+/// What the network says, measured by its closed surfaces.
+fn expected(network: &Path) -> BTreeMap<String, Solid> {
+    let mesh = read_mesh(network).expect("a mesh");
+    let sections = read_sections(&phantom(), &Rules::default()).expect("sections");
+    let solid = |label| {
+        let surface = mesh.surface(label);
+        let base = surface.vertices[0];
+        let (mut volume, mut moment) = (0.0, DVec3::ZERO);
+        for triangle in 0..surface.triangles.len() {
+            let [a, b, c] = surface.corners(triangle).map(|corner| corner - base);
+            let part = a.dot(b.cross(c)) / 6.0;
+            volume += part;
+            moment += part * (a + b + c) / 4.0;
+        }
+        let vertices = || surface.vertices.iter().copied();
+        Solid {
+            closed: true,
+            volume,
+            centroid: (base + moment / volume).to_array(),
+            min: vertices().reduce(DVec3::min).expect("a vertex").to_array(),
+            max: vertices().reduce(DVec3::max).expect("a vertex").to_array(),
+            color: None,
+        }
+    };
+    let solids = sections.materials.iter().map(|material| {
+        let solid = Solid { color: Some(material.color), ..solid(Label(material.id)) };
+        (material.name.clone(), solid)
+    });
+    solids.collect()
+}
+
+/// The files of every material, by a pattern's ending.
+fn each(ending: &str) -> Vec<String> {
+    written().expected.keys().map(|name| format!("{name}.{ending}")).collect()
+}
+
+/// A script of `tests/clients`.
+fn script(name: &str) -> PathBuf {
+    repository("tests/clients").join(name)
+}
+
+/// Python with a module; says so when there is none.
+fn python(module: &str) -> Option<PathBuf> {
+    let own = repository("target/clients-venv/bin/python");
+    let given = std::env::var_os("TRANSECT_PYTHON").map(PathBuf::from);
+    let python = given.unwrap_or_else(|| if own.exists() { own } else { "python3".into() });
+    let imports = format!("import numpy, {module}");
+    match Command::new(&python).args(["-c", &imports]).output() {
+        Ok(output) if output.status.success() => Some(python),
+        _ => {
+            skipped::skipped(format_args!("{} has no module {module}", python.display()));
+            None
+        }
+    }
+}
+
+/// What a client finds in files.
+fn found(command: &mut Command, files: &[String]) -> Found {
+    let folder = written().folder.path();
+    let output = run(command.args(files).current_dir(folder));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{text}{}", stderr(&output));
+    let result = text.lines().find_map(|line| line.strip_prefix("RESULT "));
+    let result = result.unwrap_or_else(|| panic!("no result: {text}{}", stderr(&output)));
+    serde_json::from_str(result).expect("bodies")
+}
+
+/// Every file holds what it should: all bodies, or the one that it is called after.
+fn assert_as_expected(found: &Found) {
+    let near = |one: [f64; 3], other: [f64; 3]| DVec3::from(one).distance(other.into()) < OFF;
+    for (file, solids) in found {
+        let stem = Path::new(file).file_stem().expect("a name").to_string_lossy();
+        for (name, expected) in &written().expected {
+            if stem != "all" && stem != name.as_str() {
+                continue;
+            }
+            let Some(solid) = solids.get(name) else {
+                panic!("{file}: {name} is not among {:?}", solids.keys());
+            };
+            let place = format!("{file}: {name}: {solid:?} and not {expected:?}");
+            assert!(solid.closed, "{place}");
+            assert!((solid.volume / expected.volume - 1.0).abs() < 1e-5, "{place}");
+            assert!(near(solid.centroid, expected.centroid), "{place}");
+            assert!(near(solid.min, expected.min) && near(solid.max, expected.max), "{place}");
+            if let (Some(one), Some(other)) = (solid.color, expected.color) {
+                assert!((0..3).all(|at| one[at].abs_diff(other[at]) <= 1), "{place}");
+            }
+        }
+        let count = if stem == "all" { written().expected.len() } else { 1 };
+        assert_eq!(solids.len(), count, "{file}");
+    }
+}
+
+#[test]
+fn trimesh_finds_every_label_closed_and_in_its_colour() {
+    let Some(python) = python("trimesh") else { return };
+    let mut files = ["all.glb", "all.3mf", "all.obj"].map(str::to_owned).to_vec();
+    files.extend(["stl", "ply", "glb", "obj", "off"].into_iter().flat_map(each));
+    assert_as_expected(&found(Command::new(python).arg(script("trimesh_client.py")), &files));
+}
+
+#[test]
+fn vtk_finds_every_label_and_slicer_its_frame() {
+    let Some(python) = python("vtk") else { return };
+    let mut files = ["all.vtm", "all.vtp", "all.vtu"].map(str::to_owned).to_vec();
+    files.extend(each("stl"));
+    let mut client = Command::new(&python);
+    assert_as_expected(&found(client.arg(script("vtk_client.py")), &files));
+    // Of these the frame is looked at alone.
+    let files = ["all.ply", "all.obj"].map(str::to_owned);
+    found(Command::new(&python).arg(script("vtk_client.py")), &files);
+}
+
+#[test]
+fn lib3mf_finds_nothing_wrong() {
+    let Some(python) = python("lib3mf") else { return };
+    let files = ["all.3mf".to_owned()];
+    assert_as_expected(&found(Command::new(python).arg(script("lib3mf_client.py")), &files));
+}
+
+/// By hand: `cargo test --release --test clients -- --ignored`.
+#[test]
+#[ignore = "needs Blender, which is large"]
+fn blender_finds_every_label_upright_and_in_its_colour() {
+    let mut files = ["all.glb", "all.obj"].map(str::to_owned).to_vec();
+    files.extend(each("ply"));
+    let mut blender = Command::new("blender");
+    blender.args(["--background", "--python-exit-code", "1", "--python"]);
+    assert_as_expected(&found(blender.arg(script("blender_client.py")).arg("--"), &files));
+}
