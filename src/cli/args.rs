@@ -1,6 +1,7 @@
 //! The arguments as text.
 
 mod compare_methods;
+mod convert;
 mod images;
 mod online;
 mod reading;
@@ -24,6 +25,7 @@ use crate::model;
 use crate::picture::{self, Viewpoint};
 
 pub use compare_methods::CompareMethodsArguments;
+pub use convert::ConvertArguments;
 pub use images::ImageArguments;
 pub use online::{FrameKind, OnlineArguments};
 pub use reading::{InputArguments, ReadingArguments};
@@ -47,6 +49,8 @@ pub enum Command {
     Slice(SliceArguments),
     /// Make parts of sections unknown, for experiments
     Mask(MaskArguments),
+    /// Turn section files of any kind into one of another kind
+    Convert(ConvertArguments),
     /// Tell what is in section files, and what is wrong with it
     Inspect(InspectArguments),
     /// Measure how far a mesh is from a reference

@@ -5,6 +5,7 @@ mod args;
 mod bars;
 mod compare;
 mod compare_methods;
+mod convert;
 mod crosscheck;
 mod errors;
 mod frames;
@@ -63,6 +64,7 @@ fn dispatch(command: &Command) -> Result<()> {
         Command::Online(arguments) => online::run(arguments),
         Command::Slice(arguments) => slice::run(arguments),
         Command::Mask(arguments) => mask::run(arguments),
+        Command::Convert(arguments) => convert::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::CompareMethods(arguments) => compare_methods::run(arguments),
@@ -88,9 +90,11 @@ fn start_threads(command: &Command) -> Result<()> {
         Command::Online(arguments) => (&arguments.threads, arguments.quiet),
         Command::CompareMethods(arguments) => (&arguments.threads, arguments.quiet),
         Command::Crosscheck(arguments) => (&arguments.threads, arguments.quiet),
-        Command::Slice(_) | Command::Mask(_) | Command::Inspect(_) | Command::Compare(_) => {
-            (&ThreadsArgument { count: None }, true)
-        }
+        Command::Slice(_)
+        | Command::Mask(_)
+        | Command::Convert(_)
+        | Command::Inspect(_)
+        | Command::Compare(_) => (&ThreadsArgument { count: None }, true),
     };
     let most = std::thread::available_parallelism().map_or(usize::MAX, NonZero::get);
     let asked = threads.count.map(|count| count as usize);

@@ -2,11 +2,12 @@
 
 use super::args::{AxisName, SliceArguments};
 use super::bars::Watcher;
+use super::convert::{self, Writer};
 use super::print_warnings;
 use crate::error::{Error, Result};
+use crate::io::mesh::MeshKind;
 use crate::io::mesh::{MESH_KINDS, read_mesh};
 use crate::io::volume::{VOLUME_KINDS, is_volume, read_volume};
-use crate::io::{self, mesh::MeshKind};
 use crate::output::Outputs;
 use crate::plane::{Bounds, Plane};
 use crate::section::{Rules, Section, Sections};
@@ -93,21 +94,15 @@ fn cut_by(
     }
 }
 
-type Writer = fn(&Sections, &mut dyn std::io::Write) -> Result<()>;
-
 fn writer(arguments: &SliceArguments) -> Result<Writer> {
     let path = &arguments.output;
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    match ending.as_str() {
-        "csl" if arguments.sweep.is_some() => {
-            let what = "beyond frames all is unknown, and only .json has a word for it: name such \
-                        a file";
-            Err(Error::file(path, what))
-        }
-        "csl" => Ok(io::csl::write),
-        "json" => Ok(io::json::write),
-        _ => Err(Error::file(path, "sections are written to .csl and .json; name such a file")),
+    let is_csl = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csl"));
+    if is_csl && arguments.sweep.is_some() {
+        let what = "beyond frames all is unknown, and only .json has a word for it: name such a \
+                    file";
+        return Err(Error::file(path, what));
     }
+    convert::writer(path)
 }
 
 fn family(arguments: &SliceArguments) -> Family {

@@ -215,13 +215,14 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
         }
     };
     let bytes = super::read_bytes(path)?;
+    let text = super::without_mark(&bytes);
     let mesh = match kind {
-        MeshKind::Ply => ply::read(&bytes, path)?,
+        MeshKind::Ply => ply::read(text, path)?,
         MeshKind::Stl => stl::read(&bytes, path)?.mesh(path)?,
         MeshKind::Obj => {
-            obj::united(obj::read(&String::from_utf8_lossy(&bytes), path)?.mesh(path)?)
+            obj::united(obj::read(&String::from_utf8_lossy(text), path)?.mesh(path)?)
         }
-        _ => off::read(&String::from_utf8_lossy(&bytes), path)?.mesh(path)?,
+        _ => off::read(&String::from_utf8_lossy(text), path)?.mesh(path)?,
     };
     if mesh.triangles.is_empty() {
         return Err(Error::file(path, "there is no triangle in it: export it again"));
@@ -369,6 +370,35 @@ mod tests {
         let mesh = read_mesh(&path).unwrap();
         assert_eq!((mesh.vertices.len(), &mesh.triangles[..]), (3, &[[0, 1, 2]][..]));
         assert_eq!(mesh.bounds().unwrap().max, DVec3::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn a_mark_at_the_beginning_and_ends_of_lines_change_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let solid = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
+                     vertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+        let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                   property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+                   end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+        for (name, text) in [
+            ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 \\\n0\nl 1 2\np 1\nf 1 2 3\n"),
+            ("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+            ("a.ply", ply),
+            ("a.stl", solid),
+            ("b.stl", &solid.to_uppercase()),
+        ] {
+            let path = folder.path().join(name);
+            for text in [format!("\u{feff}{text}"), text.replace('\n', "\r\n")] {
+                std::fs::write(&path, &text).unwrap();
+                let mesh = read_mesh(&path).unwrap();
+                let expected = [DVec3::ZERO, DVec3::X, DVec3::Y];
+                assert_eq!(
+                    (&mesh.vertices[..], &mesh.triangles[..]),
+                    (&expected[..], &[[0, 1, 2]][..]),
+                    "{text}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -20,12 +20,12 @@ const BEGIN: usize = 1024;
 
 /// Reads triangles from binary or text, whatever the case of its words.
 pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Soup> {
-    let is_solid =
-        bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let text = super::without_mark(bytes).trim_ascii_start();
+    let is_solid = text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let is_binary = !is_solid || bytes[..bytes.len().min(BEGIN)].contains(&0);
     match is_binary || promised(bytes).is_some_and(|length| length == bytes.len() as u64) {
         true => read_binary(bytes).map_err(|what| Error::file(path, what)),
-        false => read_text(&String::from_utf8_lossy(bytes), path),
+        false => read_text(&String::from_utf8_lossy(super::without_mark(bytes)), path),
     }
 }
 

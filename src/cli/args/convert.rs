@@ -1,0 +1,19 @@
+//! The arguments of `transect convert`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::InputArguments;
+
+#[derive(Debug, Args)]
+pub struct ConvertArguments {
+    /// The section file to write: .csl or .json
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub input: InputArguments,
+    /// No warnings and no notes
+    #[arg(short, long)]
+    pub quiet: bool,
+}
