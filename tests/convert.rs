@@ -104,3 +104,28 @@ fn a_tiny_crossing_is_read_alike_in_every_kind() {
     });
     assert!((areas[0] - areas[1]).abs() < 1e-12 && areas[0] > 99.0, "{areas:?}");
 }
+
+/// What Blender writes for two rings, one in the other, and what it writes for a body.
+#[test]
+fn polylines_become_sections_and_surfaces_are_sent_elsewhere() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let ring = |half: f64, first: usize| {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let points = corners.map(|[x, y]| format!("v {} {} 3\n", half * x, half * y)).concat();
+        let ends = (0..4).map(|at| (first + at, first + (at + 1) % 4));
+        points + &ends.map(|(from, to)| format!("l {from} {to}\n")).collect::<String>()
+    };
+    fs::write(at("rings.obj"), format!("o ring\n{}{}", ring(4.0, 1), ring(1.0, 5)))
+        .expect("a file");
+    let output = convert(&at("rings.obj"), &at("rings.json"));
+    assert_done(&output);
+    assert!(stderr(&output).contains("note: 1 contours lie in others"), "{}", stderr(&output));
+    let sections = read_sections(&at("rings.json"), &Rules::default()).expect("sections");
+    assert_eq!(sections.materials[0].name, "ring");
+    let regions = sections.sections[0].regions().expect("regions");
+    let area: f64 = regions.iter().filter(|own| own.label.is_material()).map(|own| own.area).sum();
+    assert_eq!(area, 64.0 - 4.0);
+    fs::write(at("body.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+    assert_refused(&convert(&at("body.obj"), &at("a.json")), &["body.obj", "a surface", "slice"]);
+}

@@ -184,7 +184,7 @@ pub fn read(text: &str, file: &Path, rules: &Rules) -> Result<Sections> {
     Ok(sections)
 }
 
-fn parse<'a, T: Deserialize<'a>>(text: &'a str, file: &Path) -> Result<T> {
+pub(super) fn parse<'a, T: Deserialize<'a>>(text: &'a str, file: &Path) -> Result<T> {
     serde_json::from_str(text).map_err(|error| {
         let place = format!("line {}, column {}", error.line(), error.column());
         let text = error.to_string();

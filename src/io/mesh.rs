@@ -219,9 +219,7 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
     let mesh = match kind {
         MeshKind::Ply => ply::read(text, path)?,
         MeshKind::Stl => stl::read(&bytes, path)?.mesh(path)?,
-        MeshKind::Obj => {
-            obj::united(obj::read(&String::from_utf8_lossy(text), path)?.mesh(path)?)
-        }
+        MeshKind::Obj => obj::united(obj::read(&String::from_utf8_lossy(text), path)?.mesh(path)?),
         _ => off::read(&String::from_utf8_lossy(text), path)?.mesh(path)?,
     };
     if mesh.triangles.is_empty() {
@@ -289,7 +287,7 @@ impl Soup {
 }
 
 /// Points without doubles, and for every point its number among them.
-fn welded(points: impl Iterator<Item = DVec3>) -> (Vec<DVec3>, Vec<u32>) {
+pub(super) fn welded(points: impl Iterator<Item = DVec3>) -> (Vec<DVec3>, Vec<u32>) {
     let mut vertices = Vec::new();
     let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
     let number = points

@@ -7,6 +7,7 @@ pub mod dicom;
 pub mod exact;
 pub mod glb;
 pub mod images;
+pub mod jser;
 pub mod json;
 pub mod mesh;
 pub mod metaimage;
@@ -15,6 +16,8 @@ pub mod nrrd;
 pub mod obj;
 pub mod off;
 pub mod ply;
+mod polygons;
+pub mod polylines;
 pub mod stl;
 pub mod structures;
 mod text;
@@ -42,9 +45,9 @@ use structures::Chosen;
 pub use mesh::{read_mesh, write_mesh};
 
 /// The kinds of files that sections are read from.
-pub const KINDS: &str = ".csl, .contour, .json, DICOM structure sets (.dcm), volumes of labels \
-                         (.nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd) and pictures (.png, .tif, .tiff, \
-                         a folder of them)";
+pub const KINDS: &str = ".csl, .contour, .json, .jser, .obj (polylines), DICOM structure sets \
+                         (.dcm), volumes of labels (.nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd) and \
+                         pictures (.png, .tif, .tiff, a folder of them)";
 
 /// Reads the sections of a file, its kind given by the ending of its name.
 ///
@@ -89,7 +92,10 @@ fn read_file(path: &Path, chosen: &Chosen, rules: &Rules) -> Result<Vec<Sections
 /// Whether a file is one of ours by the ending of its name, whatever is in it.
 fn is_text(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    matches!(ending.as_str(), "csl" | "contour" | "json" | "nrrd" | "nhdr" | "mha" | "mhd" | "nii")
+    matches!(
+        ending.as_str(),
+        "csl" | "contour" | "json" | "jser" | "obj" | "nrrd" | "nhdr" | "mha" | "mhd" | "nii"
+    )
 }
 
 /// The one layer of a file.
@@ -144,6 +150,8 @@ fn read_drawing(path: &Path, rules: &Rules) -> Result<Sections> {
         "csl" => csl::read,
         "contour" => contour::read,
         "json" => json::read,
+        "jser" => jser::read,
+        "obj" => polylines::read,
         _ if images::is_lossy(path) => return Err(Error::file(path, images::LOSSY)),
         _ => {
             let what = format!("this kind of file is not known: sections are read from {KINDS}");

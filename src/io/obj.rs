@@ -14,14 +14,8 @@ use crate::mesh::Mesh;
 /// the surface. A line that ends with a backslash goes on on the next one.
 pub(super) fn read(text: &str, path: &Path) -> Result<Soup> {
     let mut soup = Soup::default();
-    let mut lines = text.lines().enumerate();
-    while let Some((number, line)) = lines.next() {
-        let mut line = Cow::Borrowed(line);
-        while let Some(begin) = line.trim_end().strip_suffix('\\') {
-            let (_, more) = lines.next().unwrap_or_default();
-            line = Cow::Owned(format!("{begin} {more}"));
-        }
-        let at = |what| Error::input(path, format!("line {}", number + 1), what);
+    for (number, line) in statements(text) {
+        let at = |what| Error::input(path, format!("line {number}"), what);
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => soup.points.push(point(&mut words).map_err(at)?),
@@ -37,8 +31,22 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Soup> {
     Ok(soup)
 }
 
+/// The lines of a text by their numbers, from 1; those that go on are one.
+pub(super) fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let mut lines = text.lines().enumerate();
+    std::iter::from_fn(move || {
+        let (number, line) = lines.next()?;
+        let mut line = Cow::Borrowed(line);
+        while let Some(begin) = line.trim_end().strip_suffix('\\') {
+            let (_, more) = lines.next().unwrap_or_default();
+            line = Cow::Owned(format!("{begin} {more}"));
+        }
+        Some((number + 1, line))
+    })
+}
+
 /// The vertex of `vertex/texture/normal`: counted from 1, or from the last one backwards.
-fn corner(word: &str, count: usize) -> std::result::Result<u32, String> {
+pub(super) fn corner(word: &str, count: usize) -> std::result::Result<u32, String> {
     let error = || format!("{:?} is no vertex: vertices count from 1", shortened(word));
     let number: i64 = word.split('/').next().and_then(|it| it.parse().ok()).ok_or_else(error)?;
     let index = if number < 0 { count as i64 + number } else { number - 1 };

@@ -81,12 +81,15 @@ pub fn judge(file: &Path) -> Verdict {
     };
     let kind = name.rsplit('.').next().unwrap_or_default();
     let read = match kind {
-        "csl" | "contour" | "json" | "png" | "tiff" => {
+        "csl" | "contour" | "json" | "jser" | "png" | "tiff" => {
             read_sections(file, &Rules::default()).map(drop)
         }
         "dcm" => read_layers(&[file.to_owned()], &Chosen::default(), &Rules::default()).map(drop),
         _ if is_volume(file) => {
             read_volume(file).and_then(|_| read_sections(file, &Rules::default())).map(drop)
+        }
+        "obj" if fs::read(file).is_ok_and(|bytes| bytes.starts_with(b"# lines")) => {
+            read_sections(file, &Rules::default()).map(drop)
         }
         _ => read_mesh(file).map(drop),
     };
@@ -141,6 +144,8 @@ fn sound() -> Vec<File> {
         file("ply", PLY.as_bytes()),
         file("ply", &binary_ply()),
         file("obj", OBJ.as_bytes()),
+        file("obj", LINES.as_bytes()),
+        file("jser", JSER.as_bytes()),
         file("off", OFF.as_bytes()),
         file("stl", STL.as_bytes()),
         file("stl", &binary_stl()),
@@ -173,6 +178,12 @@ const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\npr
     0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 const OBJ: &str = "# four\no body\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\n\
     f 1 3 2\nf 1//1 2//1 \\\n4//1\nf -4 -1 -2\nf 2 3 4\n";
+const LINES: &str = "# lines\no a\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nl 1 2 3 4 1\nv 1 1 0\nv 2 1 0\n\
+    v 2 2 0\nl 5 6\nl 6 7\nl 7 5\no b\nv 9 0 1\nv 9 3 1\nv 9 3 5\nl -3 -2 \\\n-1 -3\n";
+const JSER: &str = r#"{"series": {"alignment": "mine"}, "sections": [null, {"thickness": 0.05,
+    "tforms": {"mine": [1, 0, 0, 0, 1, 0]}, "contours": {"d": [[[0, 4, 4, 0], [0, 0, 4, 4],
+    [255, 128, 0], true, false, false, ["none", "none"], []], [[1, 2, 2], [1, 1, 2], [1, 2, 3],
+    true, true, false, ["none", "none"], []]]}}]}"#;
 const OFF: &str = "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\n\
     vertex 1 0 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n\

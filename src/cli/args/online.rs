@@ -11,7 +11,7 @@ use crate::plane::Bounds;
 
 #[derive(Debug, Args)]
 pub struct OnlineArguments {
-    /// Section files to begin with: .csl, .contour, .json; volumes of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
+    /// Section files to begin with: .csl, .contour, .json, .jser, .obj (polylines); volumes of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
     #[arg(value_name = "SECTIONS", conflicts_with = "watch")]
     pub sections: Vec<PathBuf>,
     /// Follow the section files of this folder as they appear, change and go, instead of commands on standard input
