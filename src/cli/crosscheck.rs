@@ -68,11 +68,11 @@ pub fn run(arguments: &CrosscheckArguments) -> Result<()> {
 /// What an output's name asks for.
 fn target(path: &Path) -> Result<targets::Kind> {
     match Target::new(path)?.kind {
-        targets::Kind::Mesh(_) => Err(Error::file(
+        kind @ (targets::Kind::Vdb | targets::Kind::Picture) => Ok(kind),
+        targets::Kind::Mesh(_) | targets::Kind::Volume(_) => Err(Error::file(
             path,
-            "a cross-check writes no surfaces, only .vdb and .png: use `transect reconstruct`",
+            "a cross-check writes only .vdb and .png: for this one use `transect reconstruct`",
         )),
-        kind => Ok(kind),
     }
 }
 
