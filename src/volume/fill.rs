@@ -36,9 +36,8 @@ pub fn fill(mesh: &Mesh, dims: [usize; 3], placement: &Placement) -> Vec<u32> {
     for (number, triangle) in mesh.triangles.iter().enumerate() {
         let heights = triangle.map(|vertex| vertices[vertex as usize][2]);
         let [low, high] = ends(heights);
-        for slice in first_centre(low, depth)..first_centre(high, depth) {
-            passing[slice].push(number as u32);
-        }
+        let slices = first_centre(low, depth)..first_centre(high, depth);
+        passing[slices].iter_mut().for_each(|slice| slice.push(number as u32));
     }
     let mut labels = vec![0; width * height * depth];
     labels.par_chunks_mut((width * height).max(1)).zip(&passing).enumerate().for_each(
