@@ -76,17 +76,17 @@ pub fn report(layers: Vec<Layer>, stages: &Stages) -> Result<Report> {
         Ok(Report { choice, ..report })
     });
     let mut reports = reports.collect::<Result<Vec<Report>>>()?;
-    match reports.len() {
-        0 => Err(nothing()),
-        1 => Ok(reports.remove(0)),
-        _ => Ok(joined(reports)),
+    if reports.is_empty() {
+        return Err(nothing());
     }
+    let first = reports.remove(0);
+    Ok(if reports.is_empty() { first } else { joined(first, reports) })
 }
 
 /// Reports of several layers as one. What is of one layer alone, its grid for one, is that of the
 /// first.
-fn joined(reports: Vec<Report>) -> Report {
-    let layers = reports.iter().map(|report| LayerReport {
+fn joined(first: Report, rest: Vec<Report>) -> Report {
+    let layers = std::iter::once(&first).chain(&rest).map(|report| LayerReport {
         labels: report.materials.iter().map(|material| material.id).collect(),
         sections: report.sections,
         nodes: report.nodes,
@@ -94,10 +94,8 @@ fn joined(reports: Vec<Report>) -> Report {
         choice: report.choice.clone(),
     });
     let layers: Vec<LayerReport> = layers.collect();
-    let mut rest = reports.into_iter();
-    let Some(mut whole) = rest.next() else { unreachable!("there are several") };
-    whole.choice = None;
-    let mut checks = vec![whole.check];
+    let mut whole = Report { choice: None, ..first };
+    let mut checks = Vec::with_capacity(rest.len());
     for report in rest {
         let new = report.files.into_iter().filter(|file| !whole.files.contains(file));
         let new: Vec<String> = new.collect();
@@ -129,13 +127,16 @@ fn joined(reports: Vec<Report>) -> Report {
         whole.disagreements.extend(report.disagreements);
     }
     whole.materials.sort_by_key(|material| material.id);
-    Report { check: joined_checks(checks), stages: by_name(&whole.stages), layers, ..whole }
+    Report {
+        check: joined_checks(whole.check, checks),
+        stages: by_name(&whole.stages),
+        layers,
+        ..whole
+    }
 }
 
 /// What layers are worth together. Volumes of boxes are added up, though boxes may overlap.
-fn joined_checks(checks: Vec<Check>) -> Check {
-    let mut rest = checks.into_iter();
-    let Some(mut whole) = rest.next() else { unreachable!("there are several") };
+fn joined_checks(mut whole: Check, rest: Vec<Check>) -> Check {
     let weighted = |check: &Check| check.contours.mean * check.contours.vertices as f64;
     let mut sum = weighted(&whole);
     for check in rest {

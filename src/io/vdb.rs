@@ -76,7 +76,7 @@ pub fn write(path: &Path, contents: &VdbContents) -> Result<()> {
 /// it has one label, and `density_layer<number>` where it has several.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_layers(path: &Path, layers: &[VdbContents]) -> Result<()> {
     let (Some(first), true) = (layers.first(), layers.len() > 1) else {
         return layers.first().map_or(Ok(()), |only| write(path, only));

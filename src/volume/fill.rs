@@ -184,8 +184,10 @@ mod tests {
         let lattice = Lattice { origin: DVec3::splat(-1.0), voxel: 0.125, dims: [17; 3] };
         let samples = samples(lattice, |node| {
             let at = lattice.position(node);
-            let ball = 0.7 - at.length();
-            vec![ball.min(-at.x) as f32, ball.min(at.x) as f32]
+            // The shares of the ball and of its lower half, as indicators.
+            let share = |inside: f64| (2.0 * inside + 0.5).clamp(0.0, 1.0);
+            let (ball, lower) = (share(0.7 - at.length()), share(-at.x));
+            [ball * lower, ball * (1.0 - lower)].map(|share| (2.0 * share - 1.0) as f32).to_vec()
         });
         let mesh = dual(&samples, &Silent).unwrap();
         let steps = DMat3::from_diagonal(DVec3::splat(0.125));

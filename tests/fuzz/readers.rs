@@ -11,7 +11,7 @@ use glam::DVec3;
 use transect::Rules;
 use transect::io::structures::Chosen;
 use transect::io::volume::{is_volume, read_volume};
-use transect::io::{read_layers, read_mesh, read_sections};
+use transect::io::{is_layered, read_layers, read_mesh, read_sections};
 
 use super::judge::{Verdict, refused};
 use super::random::Random;
@@ -85,6 +85,9 @@ pub fn judge(file: &Path) -> Verdict {
             read_sections(file, &Rules::default()).map(drop)
         }
         "dcm" => read_layers(&[file.to_owned()], &Chosen::default(), &Rules::default()).map(drop),
+        _ if is_layered(file) => {
+            read_layers(&[file.to_owned()], &Chosen::default(), &Rules::default()).map(drop)
+        }
         _ if is_volume(file) => {
             read_volume(file).and_then(|_| read_sections(file, &Rules::default())).map(drop)
         }
@@ -153,6 +156,7 @@ fn sound() -> Vec<File> {
         file("mha", &metaimage(false)),
         file("mha", &metaimage(true)),
         file("mha", &sequence()),
+        file("nrrd", &layered_nrrd()),
         file("nii", &nifti()),
         file("nii.gz", &nifti()),
         file("png", &png()),
@@ -265,6 +269,19 @@ fn zlib(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
     let _ = encoder.write_all(bytes);
     encoder.finish().unwrap_or_default()
+}
+
+/// The same block in two layers, of which one is empty but for a part.
+fn layered_nrrd() -> Vec<u8> {
+    let mut bytes =
+        b"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 6 6 6\nspace: left-posterior-superior\n\
+        space directions: none (1,0,0) (0,1,0) (0,0,2)\nspace origin: (0,0,0)\nencoding: raw\n\
+        kinds: list domain domain domain\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n\
+        Segment1_LabelValue:=1\nSegment1_Layer:=1\nSegment1_Name:=part\n\n"
+            .to_vec();
+    let part = |(at, own): (usize, u8)| [own, own * u8::from(at > 108)];
+    bytes.extend(voxels().into_iter().enumerate().flat_map(part));
+    bytes
 }
 
 fn nifti() -> Vec<u8> {

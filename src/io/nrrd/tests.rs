@@ -108,7 +108,7 @@ fn what_is_no_volume_of_labels_is_refused() {
     assert!(with("raw", "bzip2").contains("bzip2"));
     assert!(with("raw", "gzip").contains("compressed"));
     assert!(with("(0,0,2)", "(0.5,0.5,0)").contains("span no volume"));
-    assert!(with("(0,0,2)", "none").contains("vectors"));
+    assert!(with("(0,0,2)", "none").contains("2 space directions"));
     assert!(with("(0,0,2)", "").contains("2 space directions"));
     let negative = HEADER.replace("unsigned char", "signed char");
     assert!(error(&negative, &[0, 0xfe, 0, 0, 0, 0, 0, 0]).contains("[1, 0, 0] holds -2"));
