@@ -1,6 +1,7 @@
 //! Layers: structures that may overlap, each reconstructed from its own sections as if the others
 //! were not there.
 
+mod contours;
 mod voxels;
 
 use serde::Serialize;
@@ -17,6 +18,7 @@ use crate::report::Report;
 use crate::section::Sections;
 use crate::stage::{Stage, Stages};
 
+pub use contours::{planes_of, structure_contours};
 pub use voxels::{own_voxels, require_like, voxel_layers};
 
 /// A layer that was reconstructed and checked.

@@ -252,3 +252,89 @@ fn a_set_of_a_planning_system() {
     let ratio = body["cavalieri"]["ratio"].as_f64().expect("a stack");
     assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
 }
+
+/// Whether a point given by its two coordinates on a section's plane is in a material: by the
+/// edges that a ray from it crosses.
+fn is_inside(section: &transect::Section, at: glam::DVec2) -> bool {
+    let mut inside = false;
+    for edge in section.edges() {
+        if edge.left.is_material() == edge.right.is_material() {
+            continue;
+        }
+        let [start, end] = [edge.start, edge.end].map(|vertex| section.vertices()[vertex as usize]);
+        if (start.y > at.y) != (end.y > at.y) {
+            let part = (at.y - start.y) / (end.y - start.y);
+            inside ^= start.x + part * (end.x - start.x) > at.x;
+        }
+    }
+    inside
+}
+
+/// 2 · common / sum of two sections' areas, by points on a grid of this step.
+fn dice(one: &transect::Section, other: &transect::Section, step: f64) -> f64 {
+    let all = one.vertices().iter().chain(other.vertices());
+    let [low, high] = all.fold([glam::DVec2::INFINITY, glam::DVec2::NEG_INFINITY], |ends, own| {
+        [ends[0].min(*own), ends[1].max(*own)]
+    });
+    let counts = ((high - low) / step).ceil();
+    let (mut common, mut sum) = (0, 0);
+    for place in 0..(counts.x * counts.y) as usize {
+        let [i, j] = [place % counts.x as usize, place / counts.x as usize];
+        let at = low + step * glam::DVec2::new(i as f64 + 0.37, j as f64 + 0.41);
+        let both = [one, other].map(|section| is_inside(section, at));
+        common += usize::from(both == [true; 2]);
+        sum += both.iter().filter(|inside| **inside).count();
+    }
+    2.0 * common as f64 / sum as f64
+}
+
+#[test]
+fn contours_go_back_into_a_structure_set() {
+    let folder = folder();
+    let along = DVec3::new(0.1, 0.2, 1.0).normalize();
+    let set = written(folder.path(), "set.dcm", &drawn(along), SYNTAX);
+    let back = folder.path().join("back.dcm");
+    let mut command = transect();
+    command.arg("reconstruct").arg(&set).args(["--resolution", "256", "-q"]);
+    command.args(["--structures", "Tube"]);
+    assert_done(&run(command.arg("-o").arg(&back)));
+    let chosen = Chosen { names: vec!["Tube".into()], partition: None };
+    let [before, after] = [&set, &back].map(|path| read(path, &chosen).expect("a structure set"));
+    assert_eq!((before.len(), after.len()), (1, 1));
+    for layer in &before {
+        let material = &layer.materials[0];
+        let own = after.iter().find(|other| other.materials[0] == *material);
+        let own = own.unwrap_or_else(|| panic!("{material:?} is gone, or has other colours"));
+        assert_eq!(own.sections.len(), layer.sections.len(), "{}", material.name);
+        for (one, other) in layer.sections.iter().zip(&own.sections) {
+            let apart = one.plane().unit().offset - other.plane().unit().offset;
+            assert!(apart.abs() < 1e-3, "{} and {}", one.name(), other.name());
+            let dice = dice(one, other, 0.1);
+            assert!(dice >= 0.999, "{}: {dice}", one.name());
+        }
+    }
+    // On planes between them, without anything to take over.
+    let sections = folder.path().join("between.json");
+    let sides = Plane { normal: along, offset: 0.0 }.tangents();
+    let text = |point: DVec3| serde_json::json!(point.to_array()).to_string();
+    let center = DVec3::new(-30.0, 120.0, -700.0) + 4.5 * along;
+    let corners = circle(center, 1.0, sides).into_iter().map(text).collect::<Vec<_>>().join(", ");
+    let json = format!(
+        "{{\"transect\": \"sections\", \"version\": 1, \"units\": \"mm\", \"frame\": \"LPS\", \
+         \"sections\": [{{\"name\": \"a\", \"normal\": {}, \"offset\": {}, \
+         \"loops\": [{{\"label\": 1, \"points\": [{corners}]}}]}}]}}",
+        text(along),
+        along.dot(center)
+    );
+    fs::write(&sections, json).unwrap();
+    let mut command = transect();
+    command.arg("reconstruct").arg(&set).args(["--resolution", "64", "-q", "--structures", "Tube"]);
+    command.arg("--planes-like").arg(&sections);
+    assert_done(&run(command.arg("-o").arg(&back)));
+    let tube = read(&back, &Chosen::default()).expect("a structure set");
+    assert_eq!((tube.len(), tube[0].sections.len()), (1, 1));
+    let regions = tube[0].sections[0].regions().unwrap();
+    let area: f64 = regions.iter().filter(|own| own.label == Label(7)).map(|own| own.area).sum();
+    let wanted = PI * (RADIUS * RADIUS - CORE * CORE);
+    assert!((area / wanted - 1.0).abs() < 0.02, "{area} of {wanted}");
+}

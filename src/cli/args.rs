@@ -63,7 +63,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct ReconstructArguments {
-    /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a picture: .png; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
+    /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a structure set: .dcm; a picture: .png; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
@@ -84,6 +84,9 @@ pub struct ReconstructArguments {
     /// Give volumes of labels the voxels of this image: .nrrd, .nii, .nii.gz, .mha [default: the grid's nodes; of several structures as fine as --resolution on the longest side of all]
     #[arg(long, value_name = "IMAGE")]
     pub like: Option<PathBuf>,
+    /// Put the contours of a structure set (.dcm) on the planes of this file: sections of any kind, or the slices of an image [default: those of the sections]
+    #[arg(long, value_name = "FILE")]
+    pub planes_like: Option<PathBuf>,
     /// With --method skeleton: write the surface with exact coordinates as JSON
     #[arg(long, value_name = "FILE.json")]
     pub exact: Option<PathBuf>,

@@ -69,7 +69,7 @@ pub fn run(arguments: &CrosscheckArguments) -> Result<()> {
 fn target(path: &Path) -> Result<targets::Kind> {
     match Target::new(path)?.kind {
         kind @ (targets::Kind::Vdb | targets::Kind::Picture) => Ok(kind),
-        targets::Kind::Mesh(_) | targets::Kind::Volume(_) => Err(Error::file(
+        _ => Err(Error::file(
             path,
             "a cross-check writes only .vdb and .png: for this one use `transect reconstruct`",
         )),

@@ -1,7 +1,7 @@
 //! `transect reconstruct`: sections in, volumes, surfaces, pictures and a
 //! report out.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::args::{PictureArguments, ReconstructArguments};
 use super::bars::Watcher;
@@ -12,13 +12,18 @@ use super::{print_found, print_warnings, table, tell_shortened, write_json};
 use crate::choice::choose;
 use crate::context::Context;
 use crate::error::{Error, Remedy, Result};
+use crate::io::dicom::{Template, is_dicom};
 use crate::io::exact::write_exact;
+use crate::io::read_layers;
+use crate::io::structures::Chosen;
 use crate::io::vdb::require_grids;
+use crate::io::volume::is_volume;
 use crate::io::volume::like::read_voxels;
-use crate::io::volume::write::Voxels;
+use crate::io::volume::write::{Voxels, in_frame};
 use crate::layers::{self, Layer};
 use crate::model::Options;
 use crate::output::{Outputs, write_error};
+use crate::plane::Plane;
 use crate::section::Sections;
 use crate::skeleton::Details;
 
@@ -35,6 +40,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     require_rounded(arguments)?;
     require_picture(&arguments.picture, &targets)?;
     let like = like(arguments, &targets)?;
+    let template = template(arguments, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
 
     let watcher = Watcher::new(arguments.quiet);
@@ -67,6 +73,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     if let Some(like) = &like {
         layers::require_like(like, &all.units, &all.frame)?;
     }
+    let planes = planes_like(arguments, &all.frame)?;
     let picture = picture_options(&arguments.picture, &all.materials)?;
     let mut made: Vec<Layer> = Vec::with_capacity(layers.len());
     for sections in layers {
@@ -89,7 +96,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         made.push(layer);
     }
     let results = Results::new(made.iter().map(|layer| &layer.model), &grids, picture)?;
-    let results = results.like(like);
+    let results = results.like(like).contoured(planes, template);
     let Context { mut stages, progress, .. } = context;
     for target in &targets {
         let stage = target.kind.stage();
@@ -162,6 +169,42 @@ fn like(arguments: &ReconstructArguments, targets: &[Target]) -> Result<Option<V
         return Err(Error::Option(what.to_owned()));
     }
     read_voxels(path).map(Some)
+}
+
+/// What structure sets take over: of the file whose planes they are on, else of the sections'.
+fn template(arguments: &ReconstructArguments, targets: &[Target]) -> Result<Option<Template>> {
+    let like = arguments.planes_like.as_deref();
+    if !targets.iter().any(|target| target.kind == Kind::Structures) {
+        let what = "--planes-like is about structure sets: add -o FILE.dcm";
+        return match like {
+            Some(_) => Err(Error::Option(what.to_owned())),
+            None => Ok(None),
+        };
+    }
+    let mut files = like.into_iter().chain(arguments.input.sections.iter().map(PathBuf::as_path));
+    files.find(|file| is_dicom(file)).map(Template::read).transpose()
+}
+
+/// The planes of a file of sections, or the slices of an image, for sections in this frame.
+fn planes_like(arguments: &ReconstructArguments, frame: &str) -> Result<Option<Vec<Plane>>> {
+    let Some(file) = &arguments.planes_like else { return Ok(None) };
+    if is_volume(file) {
+        let Voxels { dims: [_, _, count], placement, frame: own, .. } = read_voxels(file)?;
+        let placement = in_frame(placement, &own, frame);
+        let steps = placement.steps;
+        let normal = steps.x_axis.cross(steps.y_axis).normalize();
+        let slices = (0..count).map(|slice| placement.origin + slice as f64 * steps.z_axis);
+        return Ok(Some(slices.map(|at| Plane { normal, offset: normal.dot(at) }).collect()));
+    }
+    let rules = arguments.input.reading.rules();
+    let layers = read_layers(std::slice::from_ref(file), &Chosen::default(), &rules)?;
+    let mut planes: Vec<Plane> = Vec::new();
+    for section in layers.iter().flat_map(|layer| &layer.sections) {
+        if !planes.contains(section.plane()) {
+            planes.push(*section.plane());
+        }
+    }
+    Ok(Some(planes))
 }
 
 /// Options of pictures without any are a mistake.

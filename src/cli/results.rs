@@ -6,16 +6,18 @@ use std::path::Path;
 use super::args::PictureArguments;
 use super::targets::{Kind, Target};
 use crate::error::{Error, Result};
+use crate::io::dicom::{self, Template};
 use crate::io::mesh::{About, MeshKind, write_mesh};
 use crate::io::vdb::{self, GridName, VdbContents};
 use crate::io::volume::write::{VolumeKind, Voxels, write_volume};
 use crate::label::{Label, Material};
-use crate::layers::{meshes_side_by_side, own_voxels, voxel_layers};
+use crate::layers::{meshes_side_by_side, own_voxels, planes_of, structure_contours, voxel_layers};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::model::{Derived, Model};
 use crate::output::{Outputs, write_error};
 use crate::picture::{self, PictureOptions};
+use crate::plane::Plane;
 use crate::section::Sections;
 
 /// How many materials an error lists.
@@ -34,6 +36,10 @@ pub struct Results<'a> {
     picture: PictureOptions,
     /// Where the voxels of volumes of labels are, if not on the grid's nodes.
     like: Option<Voxels>,
+    /// Which planes the contours of structure sets are on, if not those of the sections.
+    planes: Option<Vec<Plane>>,
+    /// What structure sets take over.
+    template: Option<Template>,
 }
 
 impl<'a> Results<'a> {
@@ -59,12 +65,26 @@ impl<'a> Results<'a> {
                 (Cow::Owned(Sections::side_by_side(sections)), Cow::Owned(surfaces))
             }
         };
-        Ok(Self { layers, sections, surfaces, grids, picture, like: None })
+        Ok(Self {
+            layers,
+            sections,
+            surfaces,
+            grids,
+            picture,
+            like: None,
+            planes: None,
+            template: None,
+        })
     }
 
     /// The same with volumes of labels whose voxels are these.
     pub fn like(self, like: Option<Voxels>) -> Self {
         Self { like, ..self }
+    }
+
+    /// The same with structure sets on these planes, which take over what another one says.
+    pub fn contoured(self, planes: Option<Vec<Plane>>, template: Option<Template>) -> Self {
+        Self { planes, template, ..self }
     }
 
     /// Writes the files of a target, which are reserved.
@@ -87,6 +107,7 @@ impl<'a> Results<'a> {
                     write_surface(outputs, &path, kind, &part, &about)?;
                 }
                 (Kind::Volume(kind), label) => self.write_labels(outputs, &path, kind, label)?,
+                (Kind::Structures, _) => self.write_structures(outputs, &path)?,
                 (Kind::Vdb, _) => self.write_volumes(outputs, &path)?,
                 (Kind::Picture, _) => self.write_picture(outputs, &path)?,
             }
@@ -121,6 +142,23 @@ impl<'a> Results<'a> {
         let layers = voxel_layers(&models, &voxels, label)?;
         outputs.write(path, |out| {
             write_volume(kind, &voxels, &layers, out).map_err(|error| write_error(path, &error))
+        })
+    }
+
+    fn write_structures(&self, outputs: &mut Outputs, path: &Path) -> Result<()> {
+        let models: Vec<&Model> = self.layers.iter().map(|layer| layer.0).collect();
+        let own;
+        let planes = match &self.planes {
+            Some(planes) => planes,
+            None => {
+                own = planes_of(&models);
+                &own
+            }
+        };
+        let structures = structure_contours(&models, planes)?;
+        outputs.write(path, |out| {
+            dicom::write(&structures, self.template.as_ref(), out)
+                .map_err(|error| write_error(path, &error))
         })
     }
 

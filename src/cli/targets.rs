@@ -19,6 +19,8 @@ const NAME: &str = "{name}";
 pub enum Kind {
     Vdb,
     Volume(VolumeKind),
+    /// A structure set (DICOM RTSTRUCT).
+    Structures,
     Mesh(MeshKind),
     Picture,
 }
@@ -29,12 +31,13 @@ impl Kind {
         match (ending.as_str(), MeshKind::of(path)) {
             ("vdb", _) => Ok(Self::Vdb),
             ("png", _) => Ok(Self::Picture),
+            ("dcm", _) => Ok(Self::Structures),
             (_, Some(kind)) => Ok(Self::Mesh(kind)),
             _ => VolumeKind::of(path).map(Self::Volume).ok_or_else(|| Error::file(
                 path,
                 "this kind of file is not known: the name of an output ends in .vdb, .ply, .vtp, \
                  .vtu, .vtm, .glb, .3mf, .obj, .stl, .off, .nrrd, .seg.nrrd, .nii, .nii.gz, \
-                 .mha, .vti or .png",
+                 .mha, .vti, .dcm or .png",
             )),
         }
     }
@@ -43,6 +46,7 @@ impl Kind {
     pub fn stage(self) -> &'static str {
         match self {
             Self::Vdb | Self::Volume(_) => "volumes",
+            Self::Structures => "contours",
             Self::Mesh(_) => "surfaces",
             Self::Picture => "picture",
         }

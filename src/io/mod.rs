@@ -22,7 +22,7 @@ pub mod stl;
 pub mod structures;
 mod text;
 pub mod threemf;
-mod units;
+pub(crate) mod units;
 pub mod vdb;
 pub mod volume;
 pub mod vtk;

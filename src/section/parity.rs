@@ -19,6 +19,10 @@ use crate::plane::Plane;
 /// other has not, and both have more than it: less comes from how borders are traced and rounded.
 const IN_PART: f64 = 0.01;
 
+/// A curve is drawn twice when less than this of it differs: what is between a thin ring's two
+/// curves is more.
+const TWICE: f64 = 1e-4;
+
 /// A closed curve, as files give it; the last point joins the first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
@@ -75,12 +79,20 @@ impl Section {
         faces.leave_out_degenerate(&mut draft);
         faces.warn_of_crossings(&mut draft)?;
         let partial = faces.report_partial(&mut draft, &areas)?;
+        let doubles = faces.report_doubles(&mut draft, &areas)?;
         let holes = faces.holes(&areas);
         let united =
             matches!(rules.overlap, Some(Overlap::First | Overlap::Last | Overlap::Smallest));
         let is_inside = |windings: &Windings| {
             let around = windings.iter().filter(|pair| odd(pair.1)).map(|pair| pair.0);
-            let around: Vec<u32> = around.collect();
+            let mut around: Vec<u32> = around.collect();
+            // What is drawn twice does not take away from itself.
+            let is_double = |&own: &u32| {
+                doubles.iter().any(|&[one, other]| {
+                    other == own && windings.iter().any(|pair| pair.0 == one && odd(pair.1))
+                })
+            };
+            around.retain(|own| !is_double(own));
             let is_united =
                 united && partial.iter().any(|pair| pair.iter().all(|one| around.contains(one)));
             is_united || around.len() % 2 == 1
@@ -197,12 +209,33 @@ impl Faces<'_> {
         Ok(partial)
     }
 
+    /// Curves that are one, drawn twice.
+    fn report_doubles(&self, draft: &mut Draft, areas: &[f64]) -> Result<Vec<[u32; 2]>> {
+        let (own, pairs) = self.shares(areas);
+        let mut doubles = Vec::new();
+        for ([first, second], Shares { common, .. }) in pairs {
+            let [one, other] = [first, second].map(|number| &self.curves[number as usize]);
+            let [area, other_area] = [first, second].map(|number| own[number as usize]);
+            let rest = (area - common).max(other_area - common);
+            if !one.is_exclusive && !other.is_exclusive && rest <= TWICE * area.min(other_area) {
+                let what = format!(
+                    "{} and {} are one, drawn twice: it is read once",
+                    one.name, other.name
+                );
+                draft.warn(what)?;
+                doubles.push([first, second]);
+            }
+        }
+        Ok(doubles)
+    }
+
     fn holes(&self, areas: &[f64]) -> Holes {
         let (own, pairs) = self.shares(areas);
         let mut within: Vec<usize> = Vec::new();
         for ([first, second], Shares { common, .. }) in pairs {
             let inner = if own[first as usize] < own[second as usize] { first } else { second };
-            if common > 0.5 * own[inner as usize] {
+            let rest = own[first as usize].max(own[second as usize]) - common;
+            if common > 0.5 * own[inner as usize] && rest > TWICE * own[inner as usize] {
                 within.push(inner as usize);
             }
         }
@@ -277,6 +310,15 @@ mod tests {
         let exclusive = [one, Curve { is_exclusive: true, ..two }];
         let (area, _, findings) = read(&exclusive, &Rules::default()).unwrap();
         assert!((area - 4.0).abs() < 1e-12 && findings.warnings.is_empty(), "{area}");
+    }
+
+    #[test]
+    fn what_is_drawn_twice_is_there_once() {
+        let all =
+            [square("a", [0.0; 2], 2.0), square("b", [1e-5, 0.0], 2.0), square("c", [0.0; 2], 1.0)];
+        let (area, _, findings) = read(&all, &Rules::default()).unwrap();
+        assert!((area - 12.0).abs() < 1e-2, "{area}");
+        assert_eq!(findings.warnings.len(), 1, "{findings:?}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod rtstruct;
 mod slices;
 mod walk;
+mod write;
 
 use std::fs::File;
 use std::io::Read;
@@ -16,6 +17,8 @@ use self::walk::{Encoding, walk};
 use super::structures::Chosen;
 use crate::error::{Error, Result};
 use crate::section::{Rules, Sections};
+
+pub use write::{StructureContours, Template, write};
 
 /// What stands before the word below, whatever it is.
 const PREAMBLE: usize = 128;

@@ -300,7 +300,7 @@ impl Structure {
 }
 
 /// The points of a contour; what is wrong with them.
-fn points(contour: &Object) -> std::result::Result<Vec<DVec3>, String> {
+pub(super) fn points(contour: &Object) -> std::result::Result<Vec<DVec3>, String> {
     let Some(element) = contour.get(tags::CONTOUR_DATA) else { return Ok(Vec::new()) };
     let numbers =
         element.to_multi_float64().map_err(|_| "its coordinates are not all numbers".to_owned())?;
