@@ -81,6 +81,8 @@ pub fn write(
     out: &mut dyn Write,
 ) -> Result<()> {
     let mut set = template.map_or_else(fresh, |template| template.object.clone());
+    // Names may have letters that the template's set of characters lacks.
+    set.convert_to_utf8();
     let frame = text(&set, tags::FRAME_OF_REFERENCE_UID);
     let frame = match (frame.is_empty(), items(&set, tags::REFERENCED_FRAME_OF_REFERENCE_SEQUENCE))
     {
