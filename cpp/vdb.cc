@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "transect/cpp/eikonal.h"
+#include "transect/cpp/grids.h"
 #include "transect/src/ffi/vdb.rs.h"
 
 namespace transect::vdb {
@@ -25,31 +26,6 @@ namespace transect::vdb {
 using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Int32Grid;
-
-struct Grids {
-  openvdb::GridPtrVec all;
-  openvdb::MetaMap metadata;
-  openvdb::math::Transform::Ptr transform;
-
-  openvdb::GridBase::Ptr find(rust::Str name) const {
-    openvdb::GridBase::Ptr grid = openvdb::findGridByName(all, std::string(name));
-    if (grid == nullptr) throw std::invalid_argument("no grid is called " + std::string(name));
-    return grid;
-  }
-
-  FloatGrid::Ptr find_float(rust::Str name) const {
-    FloatGrid::Ptr grid = openvdb::gridPtrCast<FloatGrid>(find(name));
-    if (grid == nullptr) throw std::invalid_argument(std::string(name) + " does not hold floats");
-    return grid;
-  }
-
-  void add(const openvdb::GridBase::Ptr& grid, rust::Str name, openvdb::GridClass kind) {
-    grid->setName(std::string(name));
-    grid->setGridClass(kind);
-    grid->setTransform(transform->copy());
-    all.push_back(grid);
-  }
-};
 
 namespace {
 
@@ -79,6 +55,15 @@ void fill(Grid& grid, rust::Slice<const int32_t> leaves,
     tree.addTile(1, leaf_origin(tiles, index), tile_values[index], true);
   }
   openvdb::tools::prune(tree);
+}
+
+// The smallest number of half precision that is not below this positive one.
+float half_above(float value) {
+  openvdb::math::half rounded(value);
+  if (static_cast<float>(rounded) < value) {
+    rounded.setBits(static_cast<uint16_t>(rounded.bits() + 1));
+  }
+  return rounded;
 }
 
 // OpenVDB's own file class writes to a stream whose state it never looks at;
@@ -157,12 +142,13 @@ rust::Vec<rust::String> texts(const openvdb::MetaMap& metadata) {
 
 }  // namespace
 
-std::unique_ptr<Volumes> new_volumes(double voxel, std::array<double, 3> origin) {
+std::unique_ptr<Volumes> new_volumes(double voxel, std::array<double, 3> origin, bool half) {
   openvdb::initialize();
   auto volumes = std::make_unique<Volumes>();
   volumes->grids = std::make_shared<Grids>();
   volumes->grids->transform = openvdb::math::Transform::createLinearTransform(voxel);
   volumes->grids->transform->postTranslate({origin[0], origin[1], origin[2]});
+  volumes->grids->half = half;
   return volumes;
 }
 
@@ -174,6 +160,7 @@ void add_level_set(Volumes& volumes, rust::Str name, double half_width,
   while (background / voxel < half_width) {
     background = std::nextafter(background, std::numeric_limits<float>::infinity());
   }
+  if (volumes.grids->half) background = half_above(background);
   FloatGrid::Ptr grid = FloatGrid::create(background);
   for (size_t index = 0; index < leaves.size() / 3; ++index) {
     auto* leaf = grid->tree().touchLeaf(leaf_origin(leaves, index));

@@ -19,7 +19,7 @@ struct Volumes {
 };
 
 // See src/ffi/vdb.rs for what they do.
-std::unique_ptr<Volumes> new_volumes(double voxel, std::array<double, 3> origin);
+std::unique_ptr<Volumes> new_volumes(double voxel, std::array<double, 3> origin, bool half);
 void add_level_set(Volumes& volumes, rust::Str name, double half_width,
                    rust::Slice<const int32_t> leaves, rust::Slice<const float> values);
 void add_alias(Volumes& volumes, rust::Str from, rust::Str name);
@@ -35,6 +35,8 @@ void add_values(Volumes& volumes, rust::Str name, float background,
 void set_text(Volumes& volumes, rust::Str grid, rust::Str key, rust::Str text);
 
 void write(const Volumes& volumes, rust::Str path);
+void write_nano(const Volumes& volumes, rust::Str path);
+bool has_nano();
 std::unique_ptr<Volumes> read(rust::Str path);
 
 rust::Vec<Description> describe(const Volumes& volumes);

@@ -12,7 +12,7 @@ use transect::grid::lattice::Resolution;
 use transect::grid::memory::estimate_memory;
 use transect::grid::sampling::{Margin, Starts, sample};
 use transect::io::read_sections;
-use transect::io::vdb::{GridName, VdbContents, VdbFile, write};
+use transect::io::vdb::{GridName, Storage, VdbContents, VdbFile, write};
 use transect::label::Label;
 use transect::mesh::dual;
 use transect::progress::Silent;
@@ -68,6 +68,7 @@ fn reconstructs(name: &str, voxels: u32) {
 
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out.vdb");
+    let grids = GridName::default_ones();
     let contents = VdbContents {
         lattice: &lattice,
         mesh: &mesh,
@@ -76,9 +77,9 @@ fn reconstructs(name: &str, voxels: u32) {
         materials: &sections.materials,
         units: &sections.units,
         frame: &sections.frame,
-        grids: &GridName::DEFAULT,
+        grids: &grids,
     };
-    write(&out, &contents).unwrap();
+    write(&out, &contents, Storage::OpenVdb { half: false }).unwrap();
     let size = std::fs::metadata(&out).unwrap().len();
     clock.lap(&format!("VDB: {} MB", size >> 20));
     check(&VdbFile::read(&out).unwrap());

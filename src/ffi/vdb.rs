@@ -26,8 +26,9 @@ mod bridge {
         /// Grids with one transform, and text that belongs to all of them.
         type Volumes;
 
-        /// No grids yet; node (i, j, k) will be at origin + voxel · (i, j, k).
-        fn new_volumes(voxel: f64, origin: [f64; 3]) -> Result<UniquePtr<Volumes>>;
+        /// No grids yet; node (i, j, k) will be at origin + voxel · (i, j, k). With `half`, files
+        /// have floats of half precision.
+        fn new_volumes(voxel: f64, origin: [f64; 3], half: bool) -> Result<UniquePtr<Volumes>>;
 
         /// Adds a level set: leaves (three coordinates each, in leaves) and
         /// 512 signed distances each, in voxels, cut off at ±`half_width`.
@@ -79,6 +80,12 @@ mod bridge {
 
         /// Writes all grids to a file, in the order in which they were added.
         fn write(volumes: &Volumes, path: &str) -> Result<()>;
+
+        /// Writes all grids to a NanoVDB file, in the order in which they were added.
+        fn write_nano(volumes: &Volumes, path: &str) -> Result<()>;
+
+        /// Whether NanoVDB was there when this was built.
+        fn has_nano() -> bool;
 
         /// Reads a file.
         fn read(path: &str) -> Result<UniquePtr<Volumes>>;

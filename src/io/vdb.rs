@@ -7,21 +7,22 @@ use cxx::UniquePtr;
 
 use crate::error::{Error, Result};
 use crate::ffi::vdb as ffi;
-use crate::grid::distance::{HALF_WIDTH, narrow_band};
-use crate::grid::labels::LabelGrid;
 use crate::grid::samples::{Lattice, Samples};
-use crate::grid::volume::{self, Volume};
+use crate::grid::volume::Volume;
 use crate::label::{Label, Material};
 use crate::mesh::Mesh;
 use crate::section::Section;
 
+use builder::Builder;
+
+mod builder;
 mod difference;
 mod labels;
 mod names;
 mod reading;
 
 pub use difference::{DifferenceContents, write_difference};
-pub use names::{GridName, Which};
+pub use names::{GridName, Quantity, Which};
 pub use reading::{GridInfo, VdbFile};
 
 /// What programs are told wrote the file.
@@ -57,18 +58,59 @@ pub struct VdbContents<'a> {
     pub grids: &'a [GridName],
 }
 
+/// How a file stores grids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Storage {
+    /// `.vdb`.
+    OpenVdb {
+        /// Whether floats are of half precision.
+        half: bool,
+    },
+    /// `.nvdb`, whose grids have names and places, and nothing else is said of them.
+    NanoVdb,
+}
+
+/// What programs make of a grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FieldClass {
+    /// Distances to a surface.
+    LevelSet,
+    /// From 0 to 1.
+    Fog,
+    /// Other numbers with fractions.
+    Values,
+    /// Whole numbers.
+    Numbers,
+}
+
+/// A grid that was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Field {
+    /// Its name in the file.
+    pub name: String,
+    /// What it holds.
+    pub class: FieldClass,
+    /// What it is of, if not of all materials.
+    pub label: Option<Label>,
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Written {
+    /// The grids in their order.
+    pub fields: Vec<Field>,
+    /// What a world unit is in units of the file: 1, or more where voxels are too small for
+    /// OpenVDB.
+    pub scale: f64,
+}
+
 /// Writes a file. The same contents make the same bytes.
 ///
 /// # Errors
 /// A grid of a material that does not exist, or a file that cannot be
 /// written whole; a part of it may then be left at `path`.
-pub fn write(path: &Path, contents: &VdbContents) -> Result<()> {
-    let mut builder = Builder::new(contents, String::new())?;
-    let wanted = names::resolve(contents.grids, contents.materials)?;
-    wanted.into_iter().try_for_each(|grid| builder.add(grid))?;
-    let (scale, volumes) = (builder.scale, &mut builder.volumes);
-    describe(volumes, "", contents.units, contents.frame, scale)?;
-    finish(&mut builder.volumes, contents.materials, path)
+pub fn write(path: &Path, contents: &VdbContents, storage: Storage) -> Result<Written> {
+    write_layers(path, std::slice::from_ref(contents), storage)
 }
 
 /// Writes a file of layers that may overlap, each with grids on nodes of its own. What one grid says
@@ -76,34 +118,50 @@ pub fn write(path: &Path, contents: &VdbContents) -> Result<()> {
 /// it has one label, and `density_layer<number>` where it has several.
 ///
 /// # Errors
-/// As [`write()`].
-pub fn write_layers(path: &Path, layers: &[VdbContents]) -> Result<()> {
-    let (Some(first), true) = (layers.first(), layers.len() > 1) else {
-        return layers.first().map_or(Ok(()), |only| write(path, only));
+/// As [`write()`], and without any layer.
+pub fn write_layers(path: &Path, layers: &[VdbContents], storage: Storage) -> Result<Written> {
+    let Some(first) = layers.first() else {
+        return Err(Error::Option("there is nothing to write: no layer is left".to_owned()));
     };
     let all: Vec<Material> = layers.iter().flat_map(|own| own.materials).cloned().collect();
     require_grids(first.grids, &all)?;
-    let mut whole = Builder::new(first, String::new())?;
+    // One for the whole file.
+    let scales = layers.iter().map(|own| scale(own.lattice)).collect::<Result<Vec<f64>>>()?;
+    let scale = scales.into_iter().fold(1.0, f64::max);
+    let half = storage == Storage::OpenVdb { half: true };
+    let mut whole = Builder::new(first, scale, half)?;
     for (number, contents) in layers.iter().enumerate() {
-        let suffix = match contents.materials {
+        let mut builder = Builder::new(contents, scale, half)?;
+        let own = names::of_materials(contents.grids, contents.materials);
+        let mut grids = names::resolve(&own, contents.materials)?;
+        if layers.len() > 1 {
+            apart(&mut grids, number, contents.materials);
+        }
+        grids.iter().try_for_each(|grid| builder.add(grid))?;
+        ffi::adopt(whole.volumes.pin_mut(), &builder.volumes).map_err(library)?;
+        whole.fields.append(&mut builder.fields);
+    }
+    let Builder { mut volumes, fields, .. } = whole;
+    describe(&mut volumes, "", first.units, first.frame, scale)?;
+    finish(&mut volumes, &all, path, storage)?;
+    Ok(Written { fields, scale })
+}
+
+/// Gives the grids of one layer of several names that no other layer has.
+fn apart(grids: &mut Vec<Grid>, number: usize, materials: &[Material]) {
+    if let [only] = materials {
+        // What is of all of it, and of its only label besides.
+        let label = Some(Label(only.id));
+        let named: Vec<Quantity> =
+            grids.iter().filter(|grid| grid.label == label).map(|grid| grid.quantity).collect();
+        grids.retain(|grid| grid.label.is_some() || !named.contains(&grid.quantity));
+    }
+    for grid in grids.iter_mut().filter(|grid| grid.label.is_none()) {
+        grid.name += &match materials {
             [only] => format!("_{}", only.id),
             _ => format!("_layer{}", number + 1),
         };
-        let is_own = |label: Label| contents.materials.iter().any(|one| one.id == label.0);
-        let mut builder = Builder::new(contents, suffix)?;
-        let of = |grid: &GridName| match *grid {
-            GridName::SurfaceOf(Which::One(label)) | GridName::IndicatorOf(Which::One(label)) => {
-                is_own(label)
-            }
-            _ => true,
-        };
-        let grids: Vec<GridName> = contents.grids.iter().copied().filter(of).collect();
-        let wanted = names::resolve(&grids, contents.materials)?;
-        wanted.into_iter().try_for_each(|grid| builder.add(grid))?;
-        ffi::adopt(whole.volumes.pin_mut(), &builder.volumes).map_err(library)?;
     }
-    describe(&mut whole.volumes, "", first.units, first.frame, 1.0)?;
-    finish(&mut whole.volumes, &all, path)
 }
 
 /// What a world unit is in units of a file: 1, or more where voxels are too small for OpenVDB.
@@ -123,6 +181,11 @@ fn scale(lattice: &Lattice) -> Result<f64> {
     Ok(scale)
 }
 
+/// Whether `.nvdb` files can be written: that needs NanoVDB when transect is built.
+pub fn has_nano() -> bool {
+    ffi::has_nano()
+}
+
 /// Makes sure that there are all grids of these names, before any work is done.
 ///
 /// # Errors
@@ -136,13 +199,18 @@ fn finish(
     volumes: &mut UniquePtr<ffi::Volumes>,
     materials: &[Material],
     path: &Path,
+    storage: Storage,
 ) -> Result<()> {
     let name =
         path.to_str().ok_or_else(|| Error::file(path, "its name is not UTF-8; rename it"))?;
     let materials = serde_json::to_string(materials)
         .map_err(|error| Error::Bug { stage: "VDB", what: error.to_string() })?;
     ffi::set_text(volumes.pin_mut(), "", "labels", &materials).map_err(library)?;
-    ffi::write(volumes, name).map_err(|exception| {
+    let written = match storage {
+        Storage::OpenVdb { .. } => ffi::write(volumes, name),
+        Storage::NanoVdb => ffi::write_nano(volumes, name),
+    };
+    written.map_err(|exception| {
         Error::file(path, format!("cannot be written: {}", exception.what()))
     })?;
     // What the system could not store turns up here at the latest.
@@ -151,12 +219,10 @@ fn finish(
     synced.map_err(|error| Error::file(path, format!("cannot be written: {error}")))
 }
 
-/// No grids yet on the nodes of a lattice, and what a world unit is in units of the file.
-fn volumes_on(lattice: &Lattice) -> Result<(UniquePtr<ffi::Volumes>, f64)> {
-    let scale = scale(lattice)?;
+/// No grids yet on the nodes of a lattice, a world unit being so many units of the file.
+fn volumes_on(lattice: &Lattice, scale: f64, half: bool) -> Result<UniquePtr<ffi::Volumes>> {
     let origin = (scale * lattice.origin).to_array();
-    let volumes = ffi::new_volumes(scale * lattice.voxel, origin).map_err(library)?;
-    Ok((volumes, scale))
+    ffi::new_volumes(scale * lattice.voxel, origin, half).map_err(library)
 }
 
 /// Says of a grid, or of the file, who made it, where it is and how much larger.
@@ -178,132 +244,23 @@ fn describe(
 }
 
 /// One grid to be written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Grid {
-    Surface,
-    Density,
-    Label,
-    SurfaceOf(Label),
-    IndicatorOf(Label),
-    Evidence,
-    Margin,
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Grid {
+    quantity: Quantity,
+    /// What it is of, if not of all materials.
+    label: Option<Label>,
+    name: String,
 }
 
 impl Grid {
-    fn name(self) -> String {
-        match self {
-            Self::Surface => "surface".to_owned(),
-            Self::Density => "density".to_owned(),
-            Self::Label => "label".to_owned(),
-            Self::SurfaceOf(label) => format!("surface_{label}"),
-            Self::IndicatorOf(label) => format!("indicator_{label}"),
-            Self::Evidence => "evidence".to_owned(),
-            Self::Margin => "margin".to_owned(),
-        }
+    fn of_all(quantity: Quantity) -> Self {
+        Self { quantity, label: None, name: quantity.word().to_owned() }
     }
 
-    fn label(self) -> Option<Label> {
-        match self {
-            Self::SurfaceOf(label) | Self::IndicatorOf(label) => Some(label),
-            Self::Surface | Self::Density | Self::Label | Self::Evidence | Self::Margin => None,
-        }
-    }
-}
-
-/// Where all grids come together.
-struct Builder<'a> {
-    contents: &'a VdbContents<'a>,
-    volumes: UniquePtr<ffi::Volumes>,
-    /// A world unit in units of the file.
-    scale: f64,
-    /// What follows the names of grids that are of all materials.
-    suffix: String,
-    /// The names of grids that there are.
-    names: Vec<String>,
-    /// The names and triangles of the level sets there are.
-    level_sets: Vec<(String, Vec<[u32; 3]>)>,
-}
-
-impl<'a> Builder<'a> {
-    fn new(contents: &'a VdbContents, suffix: String) -> Result<Self> {
-        let (volumes, scale) = volumes_on(contents.lattice)?;
-        let (names, level_sets) = Default::default();
-        Ok(Self { contents, volumes, scale, suffix, names, level_sets })
-    }
-
-    fn name(&self, grid: Grid) -> String {
-        match grid.label() {
-            None => format!("{}{}", grid.name(), self.suffix),
-            Some(_) => grid.name(),
-        }
-    }
-
-    fn add(&mut self, grid: Grid) -> Result<()> {
-        let (name, samples) = (self.name(grid), self.contents.samples);
-        if self.names.contains(&name) {
-            return Ok(()); // the surface of a layer's only label
-        }
-        self.names.push(name.clone());
-        match grid {
-            Grid::Surface => self.add_level_set(&name, Label::is_material),
-            Grid::SurfaceOf(label) => self.add_level_set(&name, |within| within == label),
-            Grid::Density => self.add_density(&name),
-            Grid::Label => labels::add_labels(&mut self.volumes, &name, &LabelGrid::new(samples)),
-            Grid::IndicatorOf(label) => self.add_volume(&name, &volume::indicator(samples, label)),
-            Grid::Evidence => {
-                let mut evidence = volume::evidence(samples, self.contents.sections);
-                let values = evidence.values.iter_mut().chain(&mut evidence.tile_values);
-                values.for_each(|value| *value *= self.scale as f32);
-                self.add_volume(&name, &evidence)
-            }
-            Grid::Margin => self.add_volume(&name, &volume::margin(samples)),
-        }?;
-        self.describe(grid)
-    }
-
-    /// The distance to the surface of the union of some labels.
-    fn add_level_set(&mut self, name: &str, within: impl Fn(Label) -> bool + Sync) -> Result<()> {
-        let triangles = self.contents.mesh.triangles_around(within);
-        if let Some((same, _)) = self.level_sets.iter().find(|(_, other)| *other == triangles) {
-            return ffi::add_alias(self.volumes.pin_mut(), same, name).map_err(library);
-        }
-        let band = narrow_band(self.contents.lattice, &self.contents.mesh.vertices, &triangles);
-        let (leaves, values) = (band.leaves().as_flattened(), band.values());
-        ffi::add_level_set(self.volumes.pin_mut(), name, HALF_WIDTH, leaves, values)
-            .map_err(library)?;
-        self.level_sets.push((name.to_owned(), triangles));
-        Ok(())
-    }
-
-    fn add_volume(&mut self, name: &str, volume: &Volume<f32>) -> Result<()> {
-        add_volume(&mut self.volumes, name, volume)
-    }
-
-    fn add_density(&mut self, name: &str) -> Result<()> {
-        // The name it has while it is no grid of its own.
-        const BASIS: &str = "basis of density";
-        self.add_level_set(BASIS, Label::is_material)?;
-        ffi::add_fog(self.volumes.pin_mut(), BASIS, name).map_err(library)?;
-        ffi::remove(self.volumes.pin_mut(), BASIS).map_err(library)?;
-        self.level_sets.retain(|(name, _)| name != BASIS);
-        Ok(())
-    }
-
-    fn describe(&mut self, grid: Grid) -> Result<()> {
-        let name = self.name(grid);
-        describe(&mut self.volumes, &name, self.contents.units, self.contents.frame, self.scale)?;
-        let own = |material: &&Material| Some(Label(material.id)) == grid.label();
-        if let Some(material) = self.contents.materials.iter().find(own) {
-            let [r, g, b] = material.color;
-            self.set_text(&name, "label", &material.id.to_string())?;
-            self.set_text(&name, "label_name", &material.name)?;
-            self.set_text(&name, "label_color", &format!("#{r:02x}{g:02x}{b:02x}"))?;
-        }
-        Ok(())
-    }
-
-    fn set_text(&mut self, grid: &str, key: &str, text: &str) -> Result<()> {
-        ffi::set_text(self.volumes.pin_mut(), grid, key, text).map_err(library)
+    /// Of a material that is called so.
+    fn of(quantity: Quantity, material: &Material, word: &str) -> Self {
+        let name = format!("{}_{word}", quantity.word());
+        Self { quantity, label: Some(Label(material.id)), name }
     }
 }
 

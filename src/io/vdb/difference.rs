@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{add_volume, describe, finish, labels::add_labels, volumes_on};
+use super::labels::add_labels;
+use super::{Storage, add_volume, describe, finish, scale, volumes_on};
 use crate::error::Result;
 use crate::grid::labels::LabelGrid;
 use crate::grid::volume;
@@ -29,7 +30,9 @@ pub struct DifferenceContents<'a> {
 /// # Errors
 /// As [`write`](super::write).
 pub fn write_difference(path: &Path, contents: &DifferenceContents) -> Result<()> {
-    let (mut volumes, scale) = volumes_on(&contents.field.lattice)?;
+    let lattice = &contents.field.lattice;
+    let scale = scale(lattice)?;
+    let mut volumes = volumes_on(lattice, scale, false)?;
     let depths: Vec<f32> = contents.depths.iter().map(|depth| depth * scale as f32).collect();
     let depths = volume::at_nodes(contents.differing, &depths);
     add_volume(&mut volumes, "disagreement", &depths)?;
@@ -38,5 +41,5 @@ pub fn write_difference(path: &Path, contents: &DifferenceContents) -> Result<()
     for name in ["disagreement", "label_field", "label_skeleton", ""] {
         describe(&mut volumes, name, contents.about.units, contents.about.frame, scale)?;
     }
-    finish(&mut volumes, contents.about.materials, path)
+    finish(&mut volumes, contents.about.materials, path, Storage::OpenVdb { half: false })
 }

@@ -75,14 +75,17 @@ impl Ball {
     }
 }
 
+/// As most files are.
+const PLAIN: Storage = Storage::OpenVdb { half: false };
+
 fn names(all: &str) -> Vec<GridName> {
-    all.split(',').map(|name| name.parse().unwrap()).collect()
+    GridName::parse_all(&all.split(',').collect::<Vec<_>>()).unwrap()
 }
 
 fn written(ball: &Ball, grids: &str) -> (tempfile::TempDir, VdbFile) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("ball.vdb");
-    write(&path, &ball.contents(&names(grids))).unwrap();
+    write(&path, &ball.contents(&names(grids)), PLAIN).unwrap();
     let file = VdbFile::read(&path).unwrap();
     (folder, file)
 }
@@ -185,7 +188,8 @@ fn voxels_of_any_size_are_written_and_read() {
 fn voxels_beyond_single_precision_are_refused() {
     for voxel in [1e-20, 1e20] {
         let (ball, names) = (Ball::with_voxels(DVec3::ZERO, voxel), names("surface"));
-        let error = write(Path::new("none.vdb"), &ball.contents(&names)).unwrap_err().to_string();
+        let error =
+            write(Path::new("none.vdb"), &ball.contents(&names), PLAIN).unwrap_err().to_string();
         assert!(error.contains("other units"), "{error}");
     }
 }
@@ -243,7 +247,7 @@ fn the_same_contents_make_the_same_bytes() {
     let bytes = |threads, name: &str| {
         let path = folder.path().join(name);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| write(&path, &ball.contents(&grids))).unwrap();
+        pool.install(|| write(&path, &ball.contents(&grids), PLAIN)).unwrap();
         fs::read(path).unwrap()
     };
     let first = bytes(1, "a");
@@ -252,7 +256,7 @@ fn the_same_contents_make_the_same_bytes() {
     let mut other = Ball::new();
     other.materials[0].name.push('!');
     let path = folder.path().join("c");
-    write(&path, &other.contents(&grids)).unwrap();
+    write(&path, &other.contents(&grids), PLAIN).unwrap();
     assert_ne!(first[21..57], fs::read(path).unwrap()[21..57]);
 }
 
@@ -265,20 +269,16 @@ fn a_full_disk_and_a_missing_folder_are_errors() {
             eprintln!("skipped: there is no {path}");
             continue;
         }
-        let error = write(Path::new(path), &ball.contents(&grids)).unwrap_err().to_string();
+        let error = write(Path::new(path), &ball.contents(&grids), PLAIN).unwrap_err().to_string();
         assert!(error.contains(path) && error.contains(why), "{error}");
     }
 }
 
 #[test]
-fn names_that_mean_nothing_are_errors() {
-    for name in ["", "Surface", "surface_", "surface_x", "surface_0", "indicator", "label_1"] {
-        let error = name.parse::<GridName>().unwrap_err().to_string();
-        assert!(error.contains("indicator_<label>"), "{error}");
-    }
+fn grids_of_materials_that_are_not_there_are_errors() {
     let ball = Ball::new();
     let grids = names("surface,indicator_8");
-    let error = write(Path::new("/nowhere"), &ball.contents(&grids)).unwrap_err();
+    let error = write(Path::new("/nowhere"), &ball.contents(&grids), PLAIN).unwrap_err();
     assert_eq!(error.to_string(), "there is no grid for label 8: the labels are 7");
 }
 
@@ -288,7 +288,8 @@ fn a_label_too_large_for_the_grid_is_an_error() {
     ball.samples.tiles[0] = Label(3_000_000_000);
     ball.samples.retain(|at| at != [0; 3]);
     let grids = names("label");
-    let error = write(Path::new("/nowhere"), &ball.contents(&grids)).unwrap_err().to_string();
+    let error =
+        write(Path::new("/nowhere"), &ball.contents(&grids), PLAIN).unwrap_err().to_string();
     assert!(error.contains("3000000000"), "{error}");
 }
 
@@ -311,4 +312,123 @@ fn evidence_and_margin_say_how_far_to_go() {
     }
     // The tile in the middle is the ball's alone.
     assert_eq!(file.value("margin", [20, 20, 20]).unwrap(), 2.0);
+}
+
+#[test]
+fn masks_and_densities_are_of_one_label_or_of_all() {
+    let mut ball = Ball::new();
+    // A second material, of which nothing is left.
+    ball.materials.push(Material { id: 9, name: "none".to_owned(), color: [0; 3] });
+    let (_folder, file) = written(&ball, "mask,mask_7,mask_none,density_Leber,label");
+    let grids = file.grids().unwrap();
+    let names: Vec<&str> = grids.iter().map(|grid| grid.name.as_str()).collect();
+    assert_eq!(names, ["density_Leber", "label", "mask", "mask_7", "mask_none"]);
+    assert_eq!(text(&grids[3].metadata, "label_name").as_deref(), Some("Leber"));
+    assert_eq!(grids[2].value_type, "float");
+    assert_eq!(
+        [2, 3, 4].map(|index: usize| grids[index].active),
+        [grids[1].active, grids[1].active, 0]
+    );
+    for x in 5..34 {
+        let inside = f64::from(file.value("label", [x, 19, 20]).unwrap() != 0.0);
+        assert_eq!(file.value("mask", [x, 19, 20]).unwrap(), inside);
+        assert_eq!(file.value("mask_7", [x, 19, 20]).unwrap(), inside);
+    }
+    assert_eq!(file.check_fog_volume("density_Leber").unwrap(), "");
+}
+
+#[test]
+fn half_floats_pass_openvdbs_checks_and_take_half_the_space() {
+    let grids = names("surface,density,mask,label,indicator_7,evidence,margin");
+    for voxel in [1e-3, 0.1, 0.73, 1000.0] {
+        let ball = Ball::with_voxels(voxel * DVec3::new(10.0, -20.0, 30.0), voxel);
+        let folder = tempfile::tempdir().unwrap();
+        let [half, whole] = [true, false].map(|half| {
+            let path = folder.path().join(format!("{half}.vdb"));
+            write(&path, &ball.contents(&grids), Storage::OpenVdb { half }).unwrap();
+            let size = fs::metadata(&path).unwrap().len();
+            (VdbFile::read(&path).unwrap(), size)
+        });
+        assert!(half.1 * 10 < whole.1 * 8, "{} {}", half.1, whole.1);
+        let (half, whole) = (half.0, whole.0);
+        assert_eq!(half.check_level_set("surface").unwrap(), "", "{voxel}");
+        assert_eq!(half.check_fog_volume("density").unwrap(), "", "{voxel}");
+        for name in ["surface", "density", "mask", "label", "indicator_7", "evidence", "margin"] {
+            for x in 3..37 {
+                let [one, other] =
+                    [&half, &whole].map(|file| file.value(name, [x, 19, 20]).unwrap());
+                // Eleven bits; of distances, the largest is three voxels.
+                let step =
+                    f64::from(2.0f32.powi(-11)) * one.abs().max(other.abs()).max(1e-4 * voxel);
+                assert!((one - other).abs() <= step, "{name}: {one} {other}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_half_floats_cannot_hold_is_refused() {
+    let (ball, grids) = (Ball::with_voxels(DVec3::ZERO, 3e4), names("density,surface"));
+    let storage = Storage::OpenVdb { half: true };
+    let error = write(Path::new("/nowhere"), &ball.contents(&grids), storage).unwrap_err();
+    assert!(error.to_string().contains("leave --half out"), "{error}");
+}
+
+#[test]
+fn layers_of_a_label_have_grids_of_their_own() {
+    let (first, mut other) = (Ball::new(), Ball::with_voxels(DVec3::ZERO, 1e-5));
+    other.materials[0] = Material { id: 8, name: "Niere".to_owned(), color: [1, 2, 3] };
+    other.mesh.sides.iter_mut().for_each(|sides| sides[0] = Label(8));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("layers.vdb");
+    let grids = names("blender,surface,label");
+    let layers = [first.contents(&grids), other.contents(&grids)];
+    let found = write_layers(&path, &layers, PLAIN).unwrap();
+    let names: Vec<&str> = found.fields.iter().map(|field| field.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "density_Leber",
+            "mask_Leber",
+            "surface_7",
+            "label_7",
+            "density_Niere",
+            "mask_Niere",
+            "surface_8",
+            "label_8"
+        ]
+    );
+    // All grids of a file are in the same units.
+    assert_eq!(found.scale, 1000.0);
+    let file = VdbFile::read(&path).unwrap();
+    for grid in file.grids().unwrap() {
+        assert_eq!(text(&grid.metadata, "scale").as_deref(), Some("1000"), "{}", grid.name);
+    }
+    assert_eq!(file.check_level_set("surface_7").unwrap(), "");
+}
+
+#[test]
+fn nanovdb_files_are_the_same_every_time() {
+    if !has_nano() {
+        eprintln!("skipped: NanoVDB was not there when this was built");
+        return;
+    }
+    let (ball, folder) = (Ball::new(), tempfile::tempdir().unwrap());
+    let grids = names("surface,density,label,mask");
+    let [first, second] = ["a", "b"].map(|name| {
+        let path = folder.path().join(name);
+        write(&path, &ball.contents(&grids), Storage::NanoVdb).unwrap();
+        fs::read(path).unwrap()
+    });
+    assert_eq!(&first[..7], b"NanoVDB");
+    assert!(first == second, "the bytes differ");
+    for name in ["surface", "density", "label", "mask"] {
+        let name = [name.as_bytes(), b"\0"].concat();
+        assert!(first.windows(name.len()).any(|bytes| bytes == name));
+    }
+    if Path::new("/dev/full").exists() {
+        let full = Path::new("/dev/full");
+        let error = write(full, &ball.contents(&grids), Storage::NanoVdb).unwrap_err().to_string();
+        assert!(error.contains("No space left"), "{error}");
+    }
 }
