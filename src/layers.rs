@@ -19,7 +19,7 @@ use crate::section::Sections;
 use crate::stage::{Stage, Stages};
 
 pub use contours::{planes_of, structure_contours};
-pub use voxels::{own_voxels, require_like, voxel_layers};
+pub use voxels::{own_voxels, require_like, voxel_distances, voxel_layers};
 
 /// A layer that was reconstructed and checked.
 #[derive(Debug)]

@@ -151,11 +151,11 @@ impl Outputs {
     ///
     /// # Errors
     /// When the content cannot be made or written.
-    pub fn write_at(
+    pub fn write_at<T>(
         &mut self,
         path: &Path,
-        content: impl FnOnce(&Path) -> Result<()>,
-    ) -> Result<()> {
+        content: impl FnOnce(&Path) -> Result<T>,
+    ) -> Result<T> {
         let output = self.files.iter().find(|output| output.path == path).ok_or_else(|| {
             Error::Bug { stage: "output", what: format!("{} was not reserved", path.display()) }
         })?;

@@ -99,6 +99,101 @@ fn reference(folder: &Path) -> PathBuf {
     path
 }
 
+/// The numbers of an unpacked NIfTI file of floats.
+fn floats(path: &Path) -> Vec<f32> {
+    let bytes = fs::read(path).expect("a file");
+    assert_eq!(bytes[70..72], 16i16.to_le_bytes(), "DT_FLOAT32");
+    let number = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().expect("four bytes"));
+    bytes[352..].chunks(4).map(number).collect()
+}
+
+/// Distances at voxels of any shape are those to the surface in the mesh, less than zero where the
+/// label is.
+#[test]
+fn distances_are_those_to_the_surface_of_a_label() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let image = reference(folder.path());
+    let like = ["--like", image.to_str().expect("a name"), "--resolution", "48"];
+    reconstructed(&phantom(), folder.path(), &["labels.nii", "all.ply"], &like);
+    let more = [&like[..], &["--voxels", "distances"]].concat();
+    let names = ["{name}.nii", "all.nii", "{name}.nrrd", "all.mha", "all.vti"];
+    reconstructed(&phantom(), folder.path(), &names, &more);
+    let labels = fs::read(path("labels.nii")).unwrap()[352..].to_vec();
+    let voxels = read_voxels(&path("labels.nii")).unwrap();
+    let mesh = transect::io::read_mesh(&path("all.ply")).unwrap();
+    let [width, height, _] = voxels.dims;
+    let at = |voxel: usize| {
+        let index = [voxel % width, voxel / width % height, voxel / width / height];
+        let place = DVec3::from(index.map(|index| index as f64));
+        // NIfTI is in RAS, the mesh in LPS.
+        DVec3::new(-1.0, -1.0, 1.0) * (voxels.placement.origin + voxels.placement.steps * place)
+    };
+    for (name, label) in [("liver", Some(3)), ("all", None)] {
+        let found = floats(&path(&format!("{name}.nii")));
+        assert_eq!(found.len(), labels.len());
+        let surface = mesh.surface_of(|own| label.map_or(own.is_material(), |one| own.0 == one));
+        let edges = (0..surface.triangles.len()).flat_map(|triangle| {
+            let [a, b, c] = surface.corners(triangle);
+            [a.distance(b), b.distance(c), c.distance(a)]
+        });
+        let longest = edges.fold(0.0, f64::max);
+        let is_within = |own: u8| label.map_or(own > 0, |one| u32::from(own) == one);
+        for (voxel, &distance) in found.iter().enumerate() {
+            assert_eq!(distance < 0.0, is_within(labels[voxel]), "{name}: voxel {voxel}");
+        }
+        for voxel in (0..found.len()).step_by(997) {
+            let distance = f64::from(found[voxel].abs());
+            let places = surface.vertices.iter().map(|vertex| vertex.distance(at(voxel)));
+            let to_vertex = places.fold(f64::INFINITY, f64::min);
+            assert!(distance < to_vertex + 1e-3, "{name}: {distance} {to_vertex}");
+            assert!(to_vertex - distance < longest, "{name}: {distance} {to_vertex}");
+        }
+    }
+    let header = fs::read(path("liver.nrrd")).unwrap();
+    let header = String::from_utf8_lossy(&header[..600]);
+    assert!(header.contains("type: float\n") && !header.contains("Segment"), "{header}");
+    let header = fs::read(path("all.mha")).unwrap();
+    assert!(String::from_utf8_lossy(&header[..600]).contains("ElementType = MET_FLOAT\n"));
+    let header = fs::read(path("all.vti")).unwrap();
+    let header = String::from_utf8_lossy(&header[..2000]);
+    assert!(header.contains("type=\"Float32\" Name=\"distance\""), "{header}");
+}
+
+#[test]
+fn options_of_volumes_without_any_are_refused() {
+    let folder = folder();
+    for (name, options, word) in [
+        ("a.ply", ["--voxels", "distances"], "--voxels is about volumes"),
+        ("a.seg.nrrd", ["--voxels", "distances"], "has labels, no distances"),
+        ("a.nrrd", ["--half", "-q"], "--half is about .vdb files"),
+        ("a.vdb", ["--grids", "density_heart"], "1 (vessels)"),
+    ] {
+        let output = reconstruct(folder.path(), &[name], &options);
+        assert_refused(&output, &[word]);
+        assert!(!folder.path().join(name).exists());
+    }
+}
+
+/// A scene has its volumes beside it, also where these are asked for themselves.
+#[test]
+fn a_scene_names_the_grids_beside_it() {
+    let folder = folder();
+    let more = ["--grids", "houdini", "--half", "--resolution", "32", "--quiet"];
+    assert_done(&reconstruct(folder.path(), &["a.usda", "a.vdb"], &more));
+    let scene = fs::read_to_string(folder.path().join("a.usda")).unwrap();
+    let file = transect::io::vdb::VdbFile::read(&folder.path().join("a.vdb")).unwrap();
+    let grids = file.grids().unwrap();
+    assert_eq!(grids.len(), 3 + 3 * 7);
+    for grid in &grids {
+        assert!(scene.contains(&format!("token fieldName = \"{}\"", grid.name)), "{}", grid.name);
+        let half = grid.metadata.iter().find(|(key, _)| key == "is_saved_as_half_float");
+        assert_eq!(half.map(|(_, value)| value.as_str()), Some("true"), "{}", grid.name);
+    }
+    assert_eq!(scene.matches("def OpenVDBAsset").count(), grids.len());
+    assert!(scene.contains("@@@./a.vdb@@@") && scene.contains("upAxis = \"Y\""));
+}
+
 #[test]
 fn voxels_like_those_of_an_image() {
     let folder = folder();

@@ -63,7 +63,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct ReconstructArguments {
-    /// An output file, its kind by its name: .vdb, .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a structure set: .dcm; a picture: .png; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
+    /// An output file, its kind by its name: .vdb, .nvdb, .usda (with the .vdb it shows), .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a structure set: .dcm; a picture: .png; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
     #[arg(short, long, required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
@@ -73,14 +73,8 @@ pub struct ReconstructArguments {
     pub decimate: Option<Decimation>,
     #[command(flatten)]
     pub threads: ThreadsArgument,
-    /// Grids of a .vdb file, separated by commas: surface, density, label, surface_<label>, indicator_<label>, evidence, margin; * for every label
-    #[arg(
-        long,
-        value_name = "NAME,...",
-        value_delimiter = ',',
-        default_value = "surface,density,label,surface_*"
-    )]
-    pub grids: Vec<String>,
+    #[command(flatten)]
+    pub volumes: VolumeArguments,
     /// Give volumes of labels the voxels of this image: .nrrd, .nii, .nii.gz, .mha [default: the grid's nodes; of several structures as fine as --resolution on the longest side of all]
     #[arg(long, value_name = "IMAGE")]
     pub like: Option<PathBuf>,
@@ -100,6 +94,33 @@ pub struct ReconstructArguments {
     /// No progress, no warnings, no table
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// What is in files of volumes.
+#[derive(Debug, Clone, Args)]
+pub struct VolumeArguments {
+    /// Grids of a .vdb or .nvdb file, separated by commas: surface, density, mask, label, evidence, margin; surface_, density_, mask_ or indicator_ with a label's number or name, * for the numbers of all or {name} for their names; or blender, houdini, all for those of use there
+    #[arg(
+        long,
+        value_name = "NAME,...",
+        value_delimiter = ',',
+        default_value = "surface,density,label,surface_*,density_*"
+    )]
+    pub grids: Vec<String>,
+    /// Store the floats of a .vdb file in half precision, which takes half the space
+    #[arg(long)]
+    pub half: bool,
+    /// What the voxels of other volumes hold: the label, or the signed distance to the label's surface, in world units and negative inside, with {label} or {name} in the file's name, else to that of all together
+    #[arg(long, value_enum, default_value_t)]
+    pub voxels: VoxelsName,
+}
+
+/// What voxels hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum VoxelsName {
+    #[default]
+    Labels,
+    Distances,
 }
 
 /// How a model is derived from its sections.

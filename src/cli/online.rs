@@ -70,10 +70,8 @@ impl<'a> Online<'a> {
         let (method, grid) = (method(&arguments.method, false)?, arguments.method.grid);
         let (resolution, margin, bounds) = (grid.resolution(), grid.margin, *bounds);
         let options = Options { method, resolution, bounds, margin, ..Options::default() };
-        let targets = arguments.output.iter().map(|path| Target::new(path));
-        let targets = targets.collect::<Result<Vec<_>>>()?;
-        let grids = arguments.grids.iter().map(|name| name.trim().parse());
-        let grids = grids.collect::<Result<Vec<_>>>()?;
+        let targets = Target::all(&arguments.output, &arguments.volumes)?;
+        let grids = GridName::parse_all(&arguments.volumes.grids)?;
         let is_written = !targets.is_empty() || arguments.report.is_some();
         if is_written && arguments.watch.is_some() && arguments.idle.is_none() {
             let what = "a folder is watched until Ctrl-C, and nothing is written then: add --idle \
@@ -230,6 +228,7 @@ impl<'a> Online<'a> {
         match &self.frames {
             Some(frames) if model.derived().is_some() => {
                 let results = Results::new([model], &self.grids, PictureOptions::default())?;
+                let results = results.stored(&self.arguments.volumes);
                 frames.write(self.session.changes(), &results).map(Some)
             }
             _ => Ok(None),
@@ -267,6 +266,7 @@ impl<'a> Online<'a> {
             false => PictureOptions::default(),
         };
         let results = Results::new([model], &self.grids, picture)?;
+        let results = results.stored(&self.arguments.volumes);
         for target in targets {
             target.reserve_known(outputs)?;
             target.reserve_named(outputs, materials)?;

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::{PictureArguments, ReconstructArguments};
+use super::args::{PictureArguments, ReconstructArguments, VolumeArguments, VoxelsName};
 use super::bars::Watcher;
 use super::method::{asked, chosen};
 use super::results::{Results, picture_options};
@@ -16,7 +16,7 @@ use crate::io::dicom::{Template, is_dicom};
 use crate::io::exact::write_exact;
 use crate::io::read_layers;
 use crate::io::structures::Chosen;
-use crate::io::vdb::require_grids;
+use crate::io::vdb::{GridName, require_grids};
 use crate::io::volume::is_volume;
 use crate::io::volume::like::read_voxels;
 use crate::io::volume::write::{Voxels, in_frame};
@@ -29,16 +29,15 @@ use crate::skeleton::Details;
 
 /// Reconstructs and writes.
 pub fn run(arguments: &ReconstructArguments) -> Result<()> {
-    let targets =
-        arguments.output.iter().map(|path| Target::new(path)).collect::<Result<Vec<_>>>()?;
-    let grids =
-        arguments.grids.iter().map(|name| name.trim().parse()).collect::<Result<Vec<_>>>()?;
+    let targets = Target::all(&arguments.output, &arguments.volumes)?;
+    let grids = GridName::parse_all(&arguments.volumes.grids)?;
     let grid = arguments.method.grid;
     let (resolution, margin) = (grid.resolution(), grid.margin);
     let asked = asked(&arguments.method, arguments.exact.is_some())?;
     let decimation = arguments.decimate;
     require_rounded(arguments)?;
     require_picture(&arguments.picture, &targets)?;
+    require_volumes(&arguments.volumes, &targets)?;
     let like = like(arguments, &targets)?;
     let template = template(arguments, &targets)?;
     let mut outputs = reserve(arguments, &targets)?;
@@ -66,7 +65,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
             _ => (),
         }
     }
-    if targets.iter().any(|target| target.kind == Kind::Vdb) {
+    if targets.iter().any(|target| target.kind.has_grids()) {
         require_grids(&grids, &all.materials)?;
     }
     targets.iter().try_for_each(|target| target.require_layers(layers.len()))?;
@@ -96,7 +95,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
         made.push(layer);
     }
     let results = Results::new(made.iter().map(|layer| &layer.model), &grids, picture)?;
-    let results = results.like(like).contoured(planes, template);
+    let results = results.stored(&arguments.volumes).like(like).contoured(planes, template);
     let Context { mut stages, progress, .. } = context;
     for target in &targets {
         let stage = target.kind.stage();
@@ -215,6 +214,22 @@ fn require_picture(arguments: &PictureArguments, targets: &[Target]) -> Result<(
         return Err(Error::Option(what.to_owned()));
     }
     Ok(())
+}
+
+/// Options of volumes without any are a mistake.
+fn require_volumes(arguments: &VolumeArguments, targets: &[Target]) -> Result<()> {
+    let mut kinds = targets.iter().map(|target| target.kind);
+    let what = if arguments.half && !kinds.clone().any(|kind| matches!(kind, Kind::Vdb | Kind::Usd))
+    {
+        "--half is about .vdb files: add -o FILE.vdb"
+    } else if arguments.voxels != VoxelsName::default()
+        && !kinds.any(|kind| matches!(kind, Kind::Volume(_)))
+    {
+        "--voxels is about volumes: add -o FILE.nrrd or another one"
+    } else {
+        return Ok(());
+    };
+    Err(Error::Option(what.to_owned()))
 }
 
 /// All files whose names are known before anything is read.

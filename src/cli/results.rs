@@ -3,15 +3,18 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use super::args::PictureArguments;
+use super::args::{PictureArguments, VolumeArguments, VoxelsName};
 use super::targets::{Kind, Target};
 use crate::error::{Error, Result};
 use crate::io::dicom::{self, Template};
 use crate::io::mesh::{About, MeshKind, write_mesh};
-use crate::io::vdb::{self, GridName, VdbContents};
+use crate::io::usd;
+use crate::io::vdb::{self, GridName, Storage, VdbContents, Written};
 use crate::io::volume::write::{VolumeKind, Voxels, write_volume};
 use crate::label::{Label, Material};
-use crate::layers::{meshes_side_by_side, own_voxels, planes_of, structure_contours, voxel_layers};
+use crate::layers::{
+    meshes_side_by_side, own_voxels, planes_of, structure_contours, voxel_distances, voxel_layers,
+};
 use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::model::{Derived, Model};
@@ -33,6 +36,10 @@ pub struct Results<'a> {
     /// side by side.
     surfaces: Cow<'a, Mesh>,
     grids: &'a [GridName],
+    /// Whether their floats are of half precision.
+    half: bool,
+    /// What the voxels of other volumes hold.
+    holding: VoxelsName,
     picture: PictureOptions,
     /// Where the voxels of volumes of labels are, if not on the grid's nodes.
     like: Option<Voxels>,
@@ -70,11 +77,18 @@ impl<'a> Results<'a> {
             sections,
             surfaces,
             grids,
+            half: false,
+            holding: VoxelsName::default(),
             picture,
             like: None,
             planes: None,
             template: None,
         })
+    }
+
+    /// The same with volumes as these arguments say.
+    pub fn stored(self, arguments: &VolumeArguments) -> Self {
+        Self { half: arguments.half, holding: arguments.voxels, ..self }
     }
 
     /// The same with volumes of labels whose voxels are these.
@@ -106,16 +120,27 @@ impl<'a> Results<'a> {
                     let about = About { materials: &own, ..About::from(sections) };
                     write_surface(outputs, &path, kind, &part, &about)?;
                 }
-                (Kind::Volume(kind), label) => self.write_labels(outputs, &path, kind, label)?,
+                (Kind::Volume(kind), label) => self.write_voxels(outputs, &path, kind, label)?,
                 (Kind::Structures, _) => self.write_structures(outputs, &path)?,
-                (Kind::Vdb, _) => self.write_volumes(outputs, &path)?,
+                (Kind::Vdb, _) => {
+                    self.write_volumes(outputs, &path, Storage::OpenVdb { half: self.half })?;
+                }
+                (Kind::Nvdb, _) => {
+                    self.write_volumes(outputs, &path, Storage::NanoVdb)?;
+                }
+                (Kind::Usd, _) => self.write_scene(outputs, &path)?,
                 (Kind::Picture, _) => self.write_picture(outputs, &path)?,
             }
         }
         Ok(())
     }
 
-    fn write_volumes(&self, outputs: &mut Outputs, path: &Path) -> Result<()> {
+    fn write_volumes(
+        &self,
+        outputs: &mut Outputs,
+        path: &Path,
+        storage: Storage,
+    ) -> Result<Written> {
         let contents = self.layers.iter().map(|(model, derived)| {
             let Derived { samples, mesh, .. } = derived;
             let Sections { sections, materials, units, frame, .. } = model.sections();
@@ -123,11 +148,23 @@ impl<'a> Results<'a> {
             VdbContents { lattice, mesh, samples, sections, materials, units, frame, grids }
         });
         let contents: Vec<VdbContents> = contents.collect();
-        outputs.write_at(path, |temporary| vdb::write_layers(temporary, &contents))
+        outputs.write_at(path, |temporary| vdb::write_layers(temporary, &contents, storage))
     }
 
-    /// Writes the labels of voxels, all or one.
-    fn write_labels(
+    /// Writes a scene and the volumes in it.
+    fn write_scene(&self, outputs: &mut Outputs, path: &Path) -> Result<()> {
+        let volumes = usd::volumes(path);
+        let written =
+            self.write_volumes(outputs, &volumes, Storage::OpenVdb { half: self.half })?;
+        let about = About::from(self.sections.as_ref());
+        outputs.write(path, |out| {
+            usd::write(&written, &volumes, &about, self.surfaces.bounds(), out)
+                .map_err(|error| write_error(path, &error))
+        })
+    }
+
+    /// Writes the labels of voxels or distances to them, all or one.
+    fn write_voxels(
         &self,
         outputs: &mut Outputs,
         path: &Path,
@@ -139,7 +176,10 @@ impl<'a> Results<'a> {
             Some(like) => like.clone(),
             None => own_voxels(&models)?,
         };
-        let layers = voxel_layers(&models, &voxels, label)?;
+        let layers = match self.holding {
+            VoxelsName::Labels => voxel_layers(&models, &voxels, label)?,
+            VoxelsName::Distances => vec![voxel_distances(&models, &voxels, label)?],
+        };
         outputs.write(path, |out| {
             write_volume(kind, &voxels, &layers, out).map_err(|error| write_error(path, &error))
         })

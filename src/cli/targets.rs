@@ -3,8 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
+use super::args::{VolumeArguments, VoxelsName};
 use crate::error::{Error, Result};
 use crate::io::mesh::MeshKind;
+use crate::io::usd;
+use crate::io::vdb::has_nano;
 use crate::io::volume::write::VolumeKind;
 use crate::label::{Label, Material};
 use crate::output::Outputs;
@@ -18,6 +21,10 @@ const NAME: &str = "{name}";
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Vdb,
+    /// For graphics cards.
+    Nvdb,
+    /// A scene of volumes, which are in a `.vdb` beside it.
+    Usd,
     Volume(VolumeKind),
     /// A structure set (DICOM RTSTRUCT).
     Structures,
@@ -30,22 +37,34 @@ impl Kind {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match (ending.as_str(), MeshKind::of(path)) {
             ("vdb", _) => Ok(Self::Vdb),
+            ("nvdb", _) if !has_nano() => Err(Error::file(
+                path,
+                "this transect was built where NanoVDB was not: install it (Debian: \
+                 libnanovdb-dev) and build again, or write .vdb",
+            )),
+            ("nvdb", _) => Ok(Self::Nvdb),
+            ("usda", _) => Ok(Self::Usd),
             ("png", _) => Ok(Self::Picture),
             ("dcm", _) => Ok(Self::Structures),
             (_, Some(kind)) => Ok(Self::Mesh(kind)),
             _ => VolumeKind::of(path).map(Self::Volume).ok_or_else(|| Error::file(
                 path,
-                "this kind of file is not known: the name of an output ends in .vdb, .ply, .vtp, \
-                 .vtu, .vtm, .glb, .3mf, .obj, .stl, .off, .nrrd, .seg.nrrd, .nii, .nii.gz, \
+                "this kind of file is not known: the name of an output ends in .vdb, .nvdb, .usda, \
+                 .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off, .nrrd, .seg.nrrd, .nii, .nii.gz, \
                  .mha, .vti, .dcm or .png",
             )),
         }
     }
 
+    /// Whether it has grids that have names.
+    pub fn has_grids(self) -> bool {
+        matches!(self, Self::Vdb | Self::Nvdb | Self::Usd)
+    }
+
     /// The stage that writes it.
     pub fn stage(self) -> &'static str {
         match self {
-            Self::Vdb | Self::Volume(_) => "volumes",
+            Self::Vdb | Self::Nvdb | Self::Usd | Self::Volume(_) => "volumes",
             Self::Structures => "contours",
             Self::Mesh(_) => "surfaces",
             Self::Picture => "picture",
@@ -73,6 +92,27 @@ impl Target {
             return Err(Error::file(path, what));
         }
         Ok(target)
+    }
+
+    /// All of them, without volumes that a scene among them has beside it already.
+    ///
+    /// # Errors
+    /// A name of no known kind, or of one that has no room for what volumes are to hold.
+    pub fn all(paths: &[PathBuf], volumes: &VolumeArguments) -> Result<Vec<Self>> {
+        let mut all = paths.iter().map(|path| Self::new(path)).collect::<Result<Vec<_>>>()?;
+        let scenes = all.iter().filter(|target| target.kind == Kind::Usd);
+        let beside: Vec<PathBuf> = scenes.map(|target| usd::volumes(&target.path)).collect();
+        all.retain(|target| target.kind != Kind::Vdb || !beside.contains(&target.path));
+        let has_none = |target: &&Self| {
+            volumes.voxels == VoxelsName::Distances
+                && matches!(target.kind, Kind::Volume(kind) if !kind.has_distances())
+        };
+        if let Some(target) = all.iter().find(has_none) {
+            let what = "a segmentation has labels, no distances: write .nrrd, .nii.gz, .mha or \
+                        .vti, or leave --voxels distances out";
+            return Err(Error::file(&target.path, what));
+        }
+        Ok(all)
     }
 
     /// Refuses a file that has room for one label a voxel where layers may overlap.
@@ -126,6 +166,7 @@ impl Target {
             Kind::Mesh(kind) => {
                 kind.beside(path, materials).into_iter().map(|(path, _)| path).collect()
             }
+            Kind::Usd => vec![usd::volumes(path)],
             _ => Vec::new(),
         }
     }

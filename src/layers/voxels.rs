@@ -1,15 +1,15 @@
-//! Layers made voxels, for volumes of labels.
+//! Layers made voxels, for volumes of labels and of distances.
 
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Result};
 use crate::grid::lattice::Resolution;
-use crate::io::volume::write::{VoxelLayer, Voxels, in_frame, turn};
+use crate::io::volume::write::{Numbers, VoxelLayer, Voxels, in_frame, turn};
 use crate::label::Label;
 use crate::memory;
 use crate::model::{Derived, Model};
 use crate::plane::Bounds;
-use crate::volume::{Placement, fill};
+use crate::volume::{Placement, distances, fill};
 
 /// Bytes that a voxel of a layer takes while it is made and written.
 const BYTES: u64 = 5;
@@ -72,29 +72,67 @@ pub fn voxel_layers(
     voxels: &Voxels,
     only: Option<Label>,
 ) -> Result<Vec<VoxelLayer>> {
-    let Voxels { dims, .. } = voxels;
     let is_own = |id: u32| only.is_none_or(|label| label.0 == id);
     let wanted = models
         .iter()
         .filter(|model| model.sections().materials.iter().any(|material| is_own(material.id)));
     let wanted: Vec<&&Model> = wanted.collect();
-    let count = dims.iter().try_fold(1u64, |all, &count| all.checked_mul(count as u64));
-    let needed = count.and_then(|count| count.checked_mul(BYTES * wanted.len() as u64));
-    memory::require(needed.unwrap_or(u64::MAX), || {
-        let [x, y, z] = dims;
-        format!("a volume of {x} × {y} × {z} voxels")
-    })?;
+    require_memory(voxels, BYTES * wanted.len() as u64)?;
     let layer = |model: &&Model| -> Result<VoxelLayer> {
         let sections = model.sections();
         let placement = in_frame(voxels.placement, &voxels.frame, &sections.frame);
-        let mut labels = fill(&derived(model)?.mesh, *dims, &placement);
+        let mut labels = fill(&derived(model)?.mesh, voxels.dims, &placement);
         if only.is_some() {
             labels.iter_mut().filter(|label| !is_own(**label)).for_each(|label| *label = 0);
         }
         let materials = sections.materials.iter().filter(|material| is_own(material.id));
-        Ok(VoxelLayer { materials: materials.cloned().collect(), labels })
+        let numbers = Numbers::Labels(labels);
+        Ok(VoxelLayer { materials: materials.cloned().collect(), numbers })
     };
     wanted.into_iter().map(layer).collect()
+}
+
+/// The distances from the centres of voxels to the surface of a label, or of all materials
+/// together, in world units and less than zero inside; infinite where there is no surface.
+///
+/// # Errors
+/// As [`voxel_layers`], and for all materials of several layers.
+pub fn voxel_distances(
+    models: &[&Model],
+    voxels: &Voxels,
+    only: Option<Label>,
+) -> Result<VoxelLayer> {
+    let has = |model: &&&Model| match only {
+        None => true,
+        Some(label) => model.sections().materials.iter().any(|own| own.id == label.0),
+    };
+    let [model] = models.iter().filter(has).collect::<Vec<_>>()[..] else {
+        let what = "the distances of several structures are a file for each: name it by {label} or \
+                    {name}";
+        return Err(Error::Option(what.to_owned()));
+    };
+    let is_own = |label: Label| match only {
+        None => label.is_material(),
+        Some(own) => label == own,
+    };
+    require_memory(voxels, BYTES + size_of::<f32>() as u64)?;
+    let (sections, mesh) = (model.sections(), &derived(model)?.mesh);
+    let placement = in_frame(voxels.placement, &voxels.frame, &sections.frame);
+    let labels = fill(mesh, voxels.dims, &placement);
+    let distances = distances(mesh, is_own, &labels, voxels.dims, &placement)?;
+    let materials = sections.materials.iter().filter(|material| is_own(Label(material.id)));
+    let numbers = Numbers::Distances(distances);
+    Ok(VoxelLayer { materials: materials.cloned().collect(), numbers })
+}
+
+/// Refuses more voxels than memory has room for, of so many bytes each.
+fn require_memory(voxels: &Voxels, bytes: u64) -> Result<()> {
+    let count = voxels.dims.iter().try_fold(1u64, |all, &count| all.checked_mul(count as u64));
+    let needed = count.and_then(|count| count.checked_mul(bytes)).unwrap_or(u64::MAX);
+    memory::require(needed, || {
+        let [x, y, z] = voxels.dims;
+        format!("a volume of {x} × {y} × {z} voxels")
+    })
 }
 
 fn derived(model: &Model) -> Result<&Derived> {

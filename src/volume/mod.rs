@@ -2,6 +2,7 @@
 //! the world.
 
 mod cut;
+mod distances;
 mod drawn;
 mod fill;
 mod slices;
@@ -13,6 +14,7 @@ use glam::{DMat3, DVec3};
 use crate::label::{Label, Material};
 use crate::plane::Bounds;
 
+pub use distances::distances;
 pub(crate) use drawn::{Shown, shown};
 pub use fill::fill;
 pub use slices::Slices;

@@ -6,12 +6,14 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 
-use super::{MethodArguments, PictureArguments, ReadingArguments, ThreadsArgument, positive};
+use super::{
+    MethodArguments, PictureArguments, ReadingArguments, ThreadsArgument, VolumeArguments, positive,
+};
 use crate::plane::Bounds;
 
 #[derive(Debug, Args)]
 pub struct OnlineArguments {
-    /// Section files to begin with: .csl, .contour, .json, .jser, .obj (polylines); volumes of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
+    /// Section files to begin with: .csl, .contour, .json, .jser, .obj (polylines), .vtp (lines); volumes of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
     #[arg(value_name = "SECTIONS", conflicts_with = "watch")]
     pub sections: Vec<PathBuf>,
     /// Follow the section files of this folder as they appear, change and go, instead of commands on standard input
@@ -46,14 +48,8 @@ pub struct OnlineArguments {
     pub method: MethodArguments,
     #[command(flatten)]
     pub threads: ThreadsArgument,
-    /// Grids of .vdb files, separated by commas: surface, density, label, surface_<label>, indicator_<label>, evidence, margin; * for every label
-    #[arg(
-        long,
-        value_name = "NAME,...",
-        value_delimiter = ',',
-        default_value = "surface,density,label,surface_*"
-    )]
-    pub grids: Vec<String>,
+    #[command(flatten)]
+    pub volumes: VolumeArguments,
     /// Write the report as JSON, at the end
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,

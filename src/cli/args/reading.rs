@@ -14,7 +14,7 @@ use crate::section::{Overlap, Rules, Sections};
 
 #[derive(Debug, Args)]
 pub struct InputArguments {
-    /// Section files: .csl, .contour, .json, .jser, .obj (polylines); a structure set (DICOM RTSTRUCT); volumes of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
+    /// Section files: .csl, .contour, .json, .jser, .obj (polylines), .vtp (lines); a structure set or segmentation (DICOM RTSTRUCT, SEG); volumes of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd; or stacks of pictures whose pixels are labels: .png, .tif, or a folder of them
     #[arg(required = true, value_name = "SECTIONS")]
     pub sections: Vec<PathBuf>,
     #[command(flatten)]

@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use glam::DVec3;
 
-use crate::io::volume::write::{VoxelLayer, Voxels, in_frame, label_size, write_labels};
+use crate::io::volume::write::{Type, VoxelLayer, Voxels, in_frame, write_numbers};
 
 /// How hard to pack: labels are easy.
 const LEVEL: u32 = 4;
@@ -17,16 +17,12 @@ const LEVEL: u32 = 4;
 /// # Errors
 /// What the writer says.
 pub fn write(voxels: &Voxels, layer: &VoxelLayer, out: &mut dyn Write) -> Result<()> {
-    let size = label_size(std::slice::from_ref(layer));
+    let kind = Type::of(std::slice::from_ref(layer));
     // The header says how long they are.
     let mut packed = ZlibEncoder::new(Vec::new(), Compression::new(LEVEL));
-    write_labels(layer.labels.iter().copied(), size, &mut packed)?;
+    write_numbers(&layer.numbers, kind, &mut packed)?;
     let packed = packed.finish()?;
-    let kind = match size {
-        1 => "MET_UCHAR",
-        2 => "MET_USHORT",
-        _ => "MET_UINT",
-    };
+    let word = kind.word(["MET_UCHAR", "MET_USHORT", "MET_UINT", "MET_FLOAT"]);
     let placement = in_frame(voxels.placement, &voxels.frame, "LPS");
     let steps = [placement.steps.x_axis, placement.steps.y_axis, placement.steps.z_axis];
     let directions = steps.map(|step| words(step / step.length())).join(" ");
@@ -37,7 +33,7 @@ pub fn write(voxels: &Voxels, layer: &VoxelLayer, out: &mut dyn Write) -> Result
         "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n\
          CompressedData = True\nCompressedDataSize = {}\nTransformMatrix = {directions}\n\
          Offset = {}\nCenterOfRotation = 0 0 0\nElementSpacing = {}\nDimSize = {x} {y} {z}\n\
-         ElementType = {kind}\nElementDataFile = LOCAL",
+         ElementType = {word}\nElementDataFile = LOCAL",
         packed.len(),
         words(placement.origin),
         words(spacing)

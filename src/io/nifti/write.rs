@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use super::{EARLIEST, HEADER};
-use crate::io::volume::write::{VoxelLayer, Voxels, in_frame, label_size, turn, write_labels};
+use crate::io::volume::write::{Type, VoxelLayer, Voxels, in_frame, turn, write_numbers};
 
 /// How hard to pack: labels are easy.
 const LEVEL: u32 = 4;
@@ -19,21 +19,20 @@ const ALIGNED: i16 = 2;
 /// # Errors
 /// What the writer says, and where there are more voxels along an axis than the format can tell.
 pub fn write(voxels: &Voxels, layer: &VoxelLayer, packed: bool, out: &mut dyn Write) -> Result<()> {
-    let size = label_size(std::slice::from_ref(layer));
-    let mut header = header(voxels, size)?;
+    let kind = Type::of(std::slice::from_ref(layer));
+    let mut header = header(voxels, kind)?;
     header.resize(EARLIEST, 0); // no extensions
-    let labels = layer.labels.iter().copied();
     if !packed {
         out.write_all(&header)?;
-        return write_labels(labels, size, out);
+        return write_numbers(&layer.numbers, kind, out);
     }
     let mut packed = GzEncoder::new(out, Compression::new(LEVEL));
     packed.write_all(&header)?;
-    write_labels(labels, size, &mut packed)?;
+    write_numbers(&layer.numbers, kind, &mut packed)?;
     packed.finish().map(drop)
 }
 
-fn header(voxels: &Voxels, size: usize) -> Result<Vec<u8>> {
+fn header(voxels: &Voxels, kind: Type) -> Result<Vec<u8>> {
     let mut bytes = vec![0; HEADER];
     let mut put = |at: usize, own: &[u8]| bytes[at..at + own.len()].copy_from_slice(own);
     put(0, &(HEADER as i32).to_le_bytes());
@@ -43,14 +42,14 @@ fn header(voxels: &Voxels, size: usize) -> Result<Vec<u8>> {
         *own = i16::try_from(count).map_err(|_| Error::other(what()))?;
     }
     put(40, &dims.map(i16::to_le_bytes).concat());
-    // DT_UINT8, DT_UINT16, DT_UINT32.
-    let kind: i16 = match size {
-        1 => 2,
-        2 => 512,
-        _ => 768,
+    let number: i16 = match kind {
+        Type::U8 => 2,
+        Type::U16 => 512,
+        Type::U32 => 768,
+        Type::F32 => 16,
     };
-    put(70, &kind.to_le_bytes());
-    put(72, &(8 * size as i16).to_le_bytes());
+    put(70, &number.to_le_bytes());
+    put(72, &(8 * kind.size() as i16).to_le_bytes());
     let placement = in_frame(voxels.placement, &voxels.frame, "RAS");
     let steps = placement.steps;
     let lengths = [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| step.length() as f32);

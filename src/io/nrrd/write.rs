@@ -1,4 +1,4 @@
-//! Segmentations as NRRD, as 3D Slicer writes and reads them.
+//! Segmentations as NRRD, as 3D Slicer writes and reads them, and distances.
 
 use std::io::{Error, Result, Write};
 
@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::DVec3;
 
-use crate::io::volume::write::{VoxelLayer, Voxels, label_size, write_labels};
+use crate::io::volume::write::{Type, VoxelLayer, Voxels, write_labels, write_numbers};
 use crate::label::Material;
 
 /// How hard to pack: labels are easy.
@@ -19,19 +19,15 @@ const LEVEL: u32 = 4;
 /// What the writer says, and where layers have not all voxels.
 pub fn write(voxels: &Voxels, layers: &[VoxelLayer], out: &mut dyn Write) -> Result<()> {
     let [x, y, z] = voxels.dims;
-    if layers.iter().any(|layer| layer.labels.len() != x * y * z) {
+    if layers.iter().any(|layer| layer.numbers.len() != x * y * z) {
         return Err(Error::other("a layer has other voxels"));
     }
-    let size = label_size(layers);
-    let kind = match size {
-        1 => "uint8",
-        2 => "uint16",
-        _ => "uint32",
-    };
+    let kind = Type::of(layers);
+    let word = kind.word(["uint8", "uint16", "uint32", "float"]);
     let has_list = layers.len() > 1;
     let of_list = |text: String| if has_list { text } else { String::new() };
     writeln!(out, "NRRD0004\n# written by transect {}", env!("CARGO_PKG_VERSION"))?;
-    writeln!(out, "type: {kind}\ndimension: {}", 3 + usize::from(has_list))?;
+    writeln!(out, "type: {word}\ndimension: {}", 3 + usize::from(has_list))?;
     match space(&voxels.frame) {
         Some(space) => writeln!(out, "space: {space}")?,
         None => writeln!(out, "space dimension: 3")?,
@@ -47,14 +43,20 @@ pub fn write(voxels: &Voxels, layers: &[VoxelLayer], out: &mut dyn Write) -> Res
         let unit = format!("\"{}\"", voxels.units);
         writeln!(out, "space units: {}", [unit.as_str(); 3].join(" "))?;
     }
-    write_segments(voxels.dims, layers, out)?;
+    if kind != Type::F32 {
+        write_segments(voxels.dims, layers, out)?;
+    }
     writeln!(out)?;
     let mut packed = GzEncoder::new(out, Compression::new(LEVEL));
     match layers {
-        [only] => write_labels(only.labels.iter().copied(), size, &mut packed)?,
+        [only] => write_numbers(&only.numbers, kind, &mut packed)?,
         _ => {
-            let of = |voxel: usize| layers.iter().map(move |layer| layer.labels[voxel]);
-            write_labels((0..x * y * z).flat_map(of), size, &mut packed)?;
+            let layers: Vec<&[u32]> = layers.iter().map(|layer| layer.numbers.labels()).collect();
+            if layers.iter().any(|labels| labels.len() != x * y * z) {
+                return Err(Error::other("only labels have several layers"));
+            }
+            let of = |voxel: usize| layers.iter().map(move |labels| labels[voxel]);
+            write_labels((0..x * y * z).flat_map(of), kind, &mut packed)?;
         }
     }
     packed.finish().map(drop)
@@ -82,7 +84,7 @@ fn write_segments(dims: [usize; 3], layers: &[VoxelLayer], out: &mut dyn Write) 
             let Material { id, name, color } = material;
             let name = name.replace(char::is_control, " ");
             let color = color.map(|channel| (f64::from(channel) / 255.0).to_string()).join(" ");
-            let extent = extent(dims, &layer.labels, *id);
+            let extent = extent(dims, layer.numbers.labels(), *id);
             let extent = extent.map(|index| index.to_string()).join(" ");
             for (key, value) in [
                 ("ID", format!("Segment_{id}")),

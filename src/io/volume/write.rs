@@ -1,4 +1,4 @@
-//! Volumes of labels as files.
+//! Volumes of labels, or of distances to them, as files.
 
 use std::io::{Result, Write};
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::io::{metaimage, nifti, nrrd, vtk};
 use crate::label::Material;
 use crate::volume::Placement;
 
-/// A kind of file for volumes of labels.
+/// A kind of file for volumes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumeKind {
     /// NRRD, packed, with the names and colours that 3D Slicer reads.
@@ -42,6 +42,11 @@ impl VolumeKind {
         kinds.into_iter().find(|(ending, _)| name.ends_with(ending)).map(|(_, kind)| kind)
     }
 
+    /// Whether numbers need not be labels.
+    pub fn has_distances(self) -> bool {
+        self != Self::SegNrrd
+    }
+
     /// Whether a voxel can be in several layers.
     pub fn has_layers(self) -> bool {
         self == Self::SegNrrd
@@ -61,13 +66,88 @@ pub struct Voxels {
     pub frame: String,
 }
 
-/// Voxels that each have one label.
+/// Voxels that each have one number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VoxelLayer {
     /// The materials that are in it.
     pub materials: Vec<Material>,
-    /// The first axis runs fastest.
-    pub labels: Vec<u32>,
+    /// The numbers; the first axis runs fastest.
+    pub numbers: Numbers,
+}
+
+/// What voxels are about.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Numbers {
+    /// The label of each.
+    Labels(Vec<u32>),
+    /// How far each is from a surface, in world units, less than zero inside.
+    Distances(Vec<f32>),
+}
+
+impl Numbers {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Labels(labels) => labels.len(),
+            Self::Distances(distances) => distances.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The labels; none where numbers are distances.
+    pub(in crate::io) fn labels(&self) -> &[u32] {
+        match self {
+            Self::Labels(labels) => labels,
+            Self::Distances(_) => &[],
+        }
+    }
+}
+
+/// The types of numbers in files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::io) enum Type {
+    U8,
+    U16,
+    U32,
+    F32,
+}
+
+impl Type {
+    /// The smallest one that holds what layers have: bytes of one label.
+    pub fn of(layers: &[VoxelLayer]) -> Self {
+        if layers.iter().any(|layer| matches!(layer.numbers, Numbers::Distances(_))) {
+            return Self::F32;
+        }
+        let labels = layers.iter().flat_map(|layer| &layer.materials).map(|material| material.id);
+        match labels.max().unwrap_or(0) {
+            0..=0xff => Self::U8,
+            0x100..=0xffff => Self::U16,
+            _ => Self::U32,
+        }
+    }
+
+    /// How many bytes a number has.
+    pub fn size(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    /// The word for it among four, of these types.
+    pub fn word(self, [u8, u16, u32, f32]: [&'static str; 4]) -> &'static str {
+        match self {
+            Self::U8 => u8,
+            Self::U16 => u16,
+            Self::U32 => u32,
+            Self::F32 => f32,
+        }
+    }
 }
 
 /// Writes a volume: one layer, or several where the kind [has them](VolumeKind::has_layers).
@@ -80,7 +160,12 @@ pub fn write_volume(
     layers: &[VoxelLayer],
     out: &mut dyn Write,
 ) -> Result<()> {
+    let has_distances =
+        layers.iter().any(|layer| Type::of(std::slice::from_ref(layer)) == Type::F32);
     match (kind, layers) {
+        _ if has_distances && !kind.has_distances() => {
+            Err(std::io::Error::other("this kind of file has room for labels alone"))
+        }
         (VolumeKind::SegNrrd, _) | (VolumeKind::Nrrd, [_]) => nrrd::write(voxels, layers, out),
         (VolumeKind::Nifti { packed }, [only]) => nifti::write(voxels, only, packed, out),
         (VolumeKind::MetaImage, [only]) => metaimage::write(voxels, only, out),
@@ -89,26 +174,39 @@ pub fn write_volume(
     }
 }
 
-/// The smallest type of numbers that holds labels: bytes of one.
-pub(in crate::io) fn label_size(layers: &[VoxelLayer]) -> usize {
-    let labels = layers.iter().flat_map(|layer| &layer.materials).map(|material| material.id);
-    match labels.max().unwrap_or(0) {
-        0..=0xff => 1,
-        0x100..=0xffff => 2,
-        _ => 4,
+/// Writes numbers of a type, little endian.
+pub(in crate::io) fn write_numbers(
+    numbers: &Numbers,
+    kind: Type,
+    out: &mut dyn Write,
+) -> Result<()> {
+    match numbers {
+        Numbers::Labels(labels) => write_labels(labels.iter().copied(), kind, out),
+        Numbers::Distances(distances) => {
+            write_bytes(distances.iter().map(|distance| distance.to_le_bytes()), 4, out)
+        }
     }
 }
 
-/// Writes labels as numbers of so many bytes, little endian.
+/// Writes labels as numbers of a type, little endian.
 pub(in crate::io) fn write_labels(
     labels: impl Iterator<Item = u32>,
+    kind: Type,
+    out: &mut dyn Write,
+) -> Result<()> {
+    write_bytes(labels.map(u32::to_le_bytes), kind.size(), out)
+}
+
+/// Writes the first bytes of numbers.
+fn write_bytes(
+    numbers: impl Iterator<Item = [u8; 4]>,
     size: usize,
     out: &mut dyn Write,
 ) -> Result<()> {
     // Not a call for every voxel.
     let mut buffer = Vec::with_capacity(1 << 16);
-    for label in labels {
-        buffer.extend_from_slice(&label.to_le_bytes()[..size]);
+    for bytes in numbers {
+        buffer.extend_from_slice(&bytes[..size]);
         if buffer.len() >= (1 << 16) - 4 {
             out.write_all(&buffer)?;
             buffer.clear();

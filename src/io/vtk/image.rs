@@ -5,20 +5,17 @@ use std::io::{Result, Write};
 use glam::{DMat3, DVec3};
 
 use super::{About, write_fields};
-use crate::io::volume::write::{VoxelLayer, Voxels, label_size, write_labels};
+use crate::io::volume::write::{Type, VoxelLayer, Voxels, write_numbers};
 
-/// Writes voxels as point data called `label`, and materials as field data. Programs older than
+/// Writes voxels as point data called `label`, or `distance`, and materials as field data. Programs older than
 /// VTK 9 do not know of directions.
 ///
 /// # Errors
 /// What the writer says.
 pub fn write_image(voxels: &Voxels, layer: &VoxelLayer, out: &mut dyn Write) -> Result<()> {
-    let size = label_size(std::slice::from_ref(layer));
-    let kind = match size {
-        1 => "UInt8",
-        2 => "UInt16",
-        _ => "UInt32",
-    };
+    let kind = Type::of(std::slice::from_ref(layer));
+    let word = kind.word(["UInt8", "UInt16", "UInt32", "Float32"]);
+    let name = if kind == Type::F32 { "distance" } else { "label" };
     let steps = voxels.placement.steps;
     let columns = [steps.x_axis, steps.y_axis, steps.z_axis];
     let spacing = DVec3::from(columns.map(DVec3::length));
@@ -40,13 +37,13 @@ pub fn write_image(voxels: &Voxels, layer: &VoxelLayer, out: &mut dyn Write) -> 
     write_fields(&about, out)?;
     writeln!(
         out,
-        "<Piece Extent=\"{extent}\">\n<PointData Scalars=\"label\">\n<DataArray type=\"{kind}\" \
-         Name=\"label\" format=\"appended\" offset=\"0\"></DataArray>\n</PointData>\n</Piece>\n\
+        "<Piece Extent=\"{extent}\">\n<PointData Scalars=\"{name}\">\n<DataArray type=\"{word}\" \
+         Name=\"{name}\" format=\"appended\" offset=\"0\"></DataArray>\n</PointData>\n</Piece>\n\
          </ImageData>\n<AppendedData encoding=\"raw\">"
     )?;
     write!(out, "_")?;
-    out.write_all(&((layer.labels.len() * size) as u64).to_le_bytes())?;
-    write_labels(layer.labels.iter().copied(), size, out)?;
+    out.write_all(&((layer.numbers.len() * kind.size()) as u64).to_le_bytes())?;
+    write_numbers(&layer.numbers, kind, out)?;
     writeln!(out, "\n</AppendedData>\n</VTKFile>")
 }
 
