@@ -34,15 +34,15 @@ pub fn circle(center: DVec3, radius: f64, [a, b]: [DVec3; 2]) -> Vec<DVec3> {
     angles.map(|angle| center + radius * (angle.cos() * a + angle.sin() * b)).collect()
 }
 
-fn text(tag: Tag, vr: VR, text: impl Into<String>) -> DataElement<InMemDicomObject> {
+pub fn text(tag: Tag, vr: VR, text: impl Into<String>) -> DataElement<InMemDicomObject> {
     DataElement::new(tag, vr, PrimitiveValue::from(text.into()))
 }
 
-fn sequence(tag: Tag, items: Vec<InMemDicomObject>) -> DataElement<InMemDicomObject> {
+pub fn sequence(tag: Tag, items: Vec<InMemDicomObject>) -> DataElement<InMemDicomObject> {
     DataElement::new(tag, VR::SQ, DataSetSequence::from(items))
 }
 
-fn object(elements: Vec<DataElement<InMemDicomObject>>) -> InMemDicomObject {
+pub fn object(elements: Vec<DataElement<InMemDicomObject>>) -> InMemDicomObject {
     InMemDicomObject::from_element_iter(elements)
 }
 

@@ -1,6 +1,7 @@
 //! DICOM files.
 
 mod rtstruct;
+mod segmentation;
 mod slices;
 mod walk;
 mod write;
@@ -54,6 +55,9 @@ pub fn read(path: &Path, chosen: &Chosen, rules: &Rules) -> Result<Vec<Sections>
     if class == uids::RT_STRUCTURE_SET_STORAGE {
         return rtstruct::read(path, &object, chosen, rules);
     }
+    if [uids::SEGMENTATION_STORAGE, uids::LABEL_MAP_SEGMENTATION_STORAGE].contains(&class) {
+        return segmentation::read(path, &object, chosen, rules);
+    }
     let what = match text(&object, tags::MODALITY).as_str() {
         "" => "no modality".to_owned(),
         modality => format!("modality {}", super::text::shortened(modality)),
@@ -62,7 +66,7 @@ pub fn read(path: &Path, chosen: &Chosen, rules: &Rules) -> Result<Vec<Sections>
         path,
         format!(
             "this DICOM file ({what}) holds no contours: sections are read from structure sets \
-                 (RTSTRUCT)"
+             (RTSTRUCT) and segmentations (SEG)"
         ),
     ))
 }

@@ -11,6 +11,7 @@ use dicom_dictionary_std::{tags, uids};
 use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
 use glam::DVec3;
 
+use super::segmentation::source_images;
 use super::{Object, items, open, text};
 use crate::label::Material;
 use crate::plane::Plane;
@@ -36,12 +37,19 @@ pub struct Template {
 }
 
 impl Template {
-    /// Reads the set that is taken over from.
+    /// Reads the set that is taken over from. Of another DICOM file patient, study and frame are
+    /// taken over, and of a segmentation the images that it was made on.
     ///
     /// # Errors
     /// As for any DICOM file.
     pub fn read(path: &Path) -> crate::error::Result<Self> {
         let object: Object = open(path)?.into_inner();
+        if text(&object, tags::SOP_CLASS_UID).trim_end_matches('\0')
+            != uids::RT_STRUCTURE_SET_STORAGE
+        {
+            let slices = source_images(&object);
+            return Ok(Self { object: of_patient(&object), slices });
+        }
         let mut slices: Vec<(Plane, Object)> = Vec::new();
         for item in items(&object, tags::ROI_CONTOUR_SEQUENCE) {
             for contour in items(item, tags::CONTOUR_SEQUENCE) {
@@ -151,6 +159,39 @@ fn contour(number: usize, points: &[DVec3], template: Option<&Template>) -> Obje
     item
 }
 
+/// A set of the patient, study and frame of reference that another file is of.
+fn of_patient(other: &Object) -> Object {
+    let mut set = fresh();
+    for tag in [
+        tags::SPECIFIC_CHARACTER_SET,
+        tags::STUDY_DATE,
+        tags::STUDY_TIME,
+        tags::ACCESSION_NUMBER,
+        tags::REFERRING_PHYSICIAN_NAME,
+        tags::PATIENT_NAME,
+        tags::PATIENT_ID,
+        tags::PATIENT_BIRTH_DATE,
+        tags::PATIENT_SEX,
+        tags::STUDY_ID,
+        tags::STUDY_INSTANCE_UID,
+        tags::FRAME_OF_REFERENCE_UID,
+    ] {
+        if let Some(element) = other.get(tag) {
+            set.put(element.clone());
+        }
+    }
+    refer(&mut set);
+    set
+}
+
+/// Says which frame of reference coordinates are in.
+fn refer(set: &mut Object) {
+    let mut frame = Object::new_empty();
+    let own = text(set, tags::FRAME_OF_REFERENCE_UID);
+    put(&mut frame, tags::FRAME_OF_REFERENCE_UID, VR::UI, own);
+    put_items(set, tags::REFERENCED_FRAME_OF_REFERENCE_SEQUENCE, vec![frame]);
+}
+
 /// A set that refers to no images.
 fn fresh() -> Object {
     let mut set = Object::new_empty();
@@ -177,10 +218,7 @@ fn fresh() -> Object {
         put(&mut set, tag, VR::UI, uid());
     }
     put(&mut set, tags::STRUCTURE_SET_LABEL, VR::SH, "transect".to_owned());
-    let mut frame = Object::new_empty();
-    let own = text(&set, tags::FRAME_OF_REFERENCE_UID);
-    put(&mut frame, tags::FRAME_OF_REFERENCE_UID, VR::UI, own);
-    put_items(&mut set, tags::REFERENCED_FRAME_OF_REFERENCE_SEQUENCE, vec![frame]);
+    refer(&mut set);
     set
 }
 
