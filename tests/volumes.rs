@@ -316,3 +316,30 @@ fn the_same_cuts_come_out_for_any_number_of_threads() {
     };
     assert!(cuts("1") == cuts("4"));
 }
+
+/// An image of greys is no volume of labels, whatever its numbers are; many labels are.
+#[test]
+fn grey_volumes_are_refused() {
+    let folder = folder();
+    let header = "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 40 40 12\nspace dimension: 3\n\
+                  space directions: (1,0,0) (0,1,0) (0,0,2)\nspace origin: (0,0,0)\n\
+                  endian: little\nencoding: raw\n\n";
+    let read = |name: &str, value: &dyn Fn(usize) -> u16| {
+        let numbers = (0..40 * 40 * 12).flat_map(|at| value(at).to_le_bytes());
+        let bytes: Vec<u8> = header.bytes().chain(numbers).collect();
+        let path = write(&folder, name, &bytes);
+        transect::io::read_sections(&path, &transect::Rules::default())
+    };
+    // A smooth bump with noise, as a scanner sees it.
+    let grey = |at: usize| {
+        let [x, y] = [at % 40, at / 40 % 40].map(|index| index as f64 - 19.5);
+        let noise = (at * 7919 % 101) as f64;
+        (1000.0 * (-(x * x + y * y) / 100.0).exp() + noise) as u16
+    };
+    let error = read("grey.nrrd", &grey).unwrap_err().to_string();
+    assert!(error.contains("grey volume") && error.contains("segment it first"), "{error}");
+    // A hundred labels of 4 × 4 pixels.
+    let atlas = |at: usize| (1 + at % 40 / 4 + 10 * (at / 40 % 40 / 4)) as u16;
+    let sections = read("atlas.nrrd", &atlas).expect("labels");
+    assert_eq!(sections.materials.len(), 100);
+}

@@ -72,6 +72,16 @@ impl LabelImage {
         Ok(Self { pixels: Pixels { size, labels }, placement })
     }
 
+    /// How many pixels a row has, and how many rows there are.
+    pub fn size(&self) -> [usize; 2] {
+        self.pixels.size
+    }
+
+    /// The label of every pixel, row by row.
+    pub fn labels(&self) -> &[u32] {
+        &self.pixels.labels
+    }
+
     /// The section that the pixels show: the plane through their centres, with smooth contours
     /// between pixels of different labels, as closely as the rules say. Beyond the image is outside, so what reaches its border
     /// ends there, half a pixel beyond the last centres.

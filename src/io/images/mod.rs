@@ -17,7 +17,7 @@ use crate::label::Label;
 use crate::label_image::LabelImage;
 use crate::section::{Findings, Rules, Sections, Warning};
 
-pub use volume::{is_layered, read_layers, read_slices};
+pub use volume::{is_layered, layers_of, read_layers, read_slices};
 
 /// The kinds of pictures that sections are read from.
 pub const IMAGE_KINDS: &str = ".png, .tif, .tiff";

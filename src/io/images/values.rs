@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::page::Page;
+use crate::label_image::LabelImage;
 
 /// A picture with more different values than this is grey.
 const MOST_VALUES: usize = 256;
@@ -34,29 +35,16 @@ impl Values {
     /// # Errors
     /// Where there are too many for labels.
     pub fn new(page: &Page) -> Result<Self, String> {
-        let Page { size: [width, height], values, .. } = page;
-        let mut counts = BTreeMap::<u32, Count>::new();
-        for (row, pixels) in values.chunks(*width).enumerate() {
-            for (x, &value) in pixels.iter().enumerate().filter(|&(_, &value)| value != 0) {
-                let is_inner = x > 0
-                    && x + 1 < *width
-                    && row > 0
-                    && row + 1 < *height
-                    && [pixels[x - 1], pixels[x + 1]] == [value; 2]
-                    && [(row - 1) * width + x, (row + 1) * width + x]
-                        .map(|neighbor| values[neighbor])
-                        == [value; 2];
-                let count = counts.entry(value).or_default();
-                count.pixels += 1;
-                count.inner += usize::from(is_inner);
-            }
-            if counts.len() > MOST_VALUES {
-                return Err(too_many());
-            }
-        }
+        let counts = counted(page.size, &page.values, MOST_VALUES).ok_or_else(too_many)?;
         let may_be_white = counts.keys().all(|&value| page.white == Some(value) || value == WHITE);
         let may_be_white = may_be_white && page.white.is_some();
         Ok(Self { counts, may_be_white })
+    }
+
+    /// Those of a slice of a volume, which has as many labels as it likes.
+    pub fn of_slice(image: &LabelImage) -> Self {
+        let counts = counted(image.size(), image.labels(), usize::MAX).unwrap_or_default();
+        Self { counts, may_be_white: false }
     }
 
     /// Those of several pictures.
@@ -106,15 +94,54 @@ impl Values {
                  black and white with a threshold"
             ));
         }
+        self.require_areas("picture")
+    }
+
+    /// The same, whatever the edges are like and how many values there are.
+    ///
+    /// # Errors
+    /// That they are no labels.
+    pub fn require_areas(&self, what: &str) -> Result<(), String> {
+        let thin = self.counts.values().filter(|count| count.inner == 0).count();
         if thin > THIN && 2 * thin > self.count() {
             return Err(format!(
-                "{thin} of its {} values fill no area: it is a grey picture and not one of labels: \
+                "{thin} of its {} values fill no area: it is a grey {what} and not one of labels: \
                  segment it first",
                 self.count()
             ));
         }
         Ok(())
     }
+}
+
+/// How often each value but 0 occurs in rows of pixels; `None` where there are more than `most`.
+fn counted(
+    [width, height]: [usize; 2],
+    values: &[u32],
+    most: usize,
+) -> Option<BTreeMap<u32, Count>> {
+    let mut counts = BTreeMap::<u32, Count>::new();
+    for (row, pixels) in values.chunks(width.max(1)).enumerate() {
+        let mut start = 0;
+        for run in pixels.chunk_by(|one, other| one == other) {
+            let (value, first) = (run[0], start);
+            start += run.len();
+            if value == 0 {
+                continue;
+            }
+            let is_inner = |&x: &usize| {
+                let beside = [(row.wrapping_sub(1)), row + 1];
+                beside.iter().all(|&row| row < height && values[row * width + x] == value)
+            };
+            let count = counts.entry(value).or_default();
+            count.pixels += run.len();
+            count.inner += (first + 1..start - 1).filter(is_inner).count();
+        }
+        if counts.len() > most {
+            return None;
+        }
+    }
+    Some(counts)
 }
 
 fn too_many() -> String {

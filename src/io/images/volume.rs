@@ -4,6 +4,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use rayon::prelude::*;
+
+use super::values::Values;
 use crate::error::{Error, Result};
 use crate::io::metaimage::{self, is_metaimage};
 use crate::io::structures::{Chosen, Named};
@@ -49,7 +52,19 @@ pub fn is_layered(file: &Path) -> bool {
 /// # Errors
 /// As [`read_slices`], and where a segment is chosen that is none of the file's.
 pub fn read_layers(file: &Path, chosen: &Chosen, rules: &Rules) -> Result<Vec<Sections>> {
-    let layers = nrrd::read_layers(&read_bytes(file)?, file)?;
+    layers_of(file, nrrd::read_layers(&read_bytes(file)?, file)?, chosen, rules)
+}
+
+/// The same of layers that were read.
+///
+/// # Errors
+/// As [`read_layers`].
+pub fn layers_of(
+    file: &Path,
+    layers: Vec<LabelVolume>,
+    chosen: &Chosen,
+    rules: &Rules,
+) -> Result<Vec<Sections>> {
     let sizes: Vec<_> = layers.iter().map(LabelVolume::sizes).collect();
     let all = layers.iter().zip(&sizes).enumerate().flat_map(|(layer, (volume, sizes))| {
         let size = |id: u32| sizes.get(&Label(id)).copied().unwrap_or(0) as f64;
@@ -95,6 +110,12 @@ pub fn read_layers(file: &Path, chosen: &Chosen, rules: &Rules) -> Result<Vec<Se
 fn sections_of(file: &Path, volume: LabelVolume, rules: &Rules) -> Result<Sections> {
     let Slices { images, found, left_out } =
         volume.slices(&rules.images).map_err(|what| Error::file(file, what))?;
+    if volume.materials.is_empty() {
+        // Where nobody named labels there may be none.
+        let slices = images.par_iter().map(|(_, image)| Values::of_slice(image));
+        let values = slices.reduce(Values::default, Values::sum);
+        values.require_areas("volume").map_err(|what| Error::file(file, what))?;
+    }
     let mut sections = super::sections(file, images, rules)?;
     sections.notes.push(Warning { section: String::new(), what: found });
     if let Some((count, [i, j, k])) = left_out {
