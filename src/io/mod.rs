@@ -23,10 +23,13 @@ pub mod structures;
 mod text;
 pub mod threemf;
 pub(crate) mod units;
+pub mod usd;
 pub mod vdb;
 pub mod volume;
 pub mod vtk;
+mod vtk_xml;
 pub mod vtm;
+pub mod vtp;
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -45,8 +48,8 @@ use structures::Chosen;
 pub use mesh::{read_mesh, write_mesh};
 
 /// The kinds of files that sections are read from.
-pub const KINDS: &str = ".csl, .contour, .json, .jser, .obj (polylines), DICOM structure sets \
-                         (.dcm), volumes of labels (.nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd) and \
+pub const KINDS: &str = ".csl, .contour, .json, .jser, .obj (polylines), .vtp (lines), DICOM structure sets \
+                         and segmentations (.dcm), volumes of labels (.nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd) and \
                          pictures (.png, .tif, .tiff, a folder of them)";
 
 /// Reads the sections of a file, its kind given by the ending of its name.
@@ -70,6 +73,7 @@ pub fn read_part(path: &Path, rules: &Rules) -> Result<Sections> {
         path if images::is_image(path) => images::read_files(&[path.to_owned()], rules)?,
         path if is_layered(path) => only(path, read_file(path, &Chosen::default(), rules)?)?,
         path if volume::is_volume(path) => images::read_slices(path, rules)?,
+        path if is_vtp(path) => vtp::read(&read_bytes(path)?, path, rules)?,
         path => read_drawing(path, rules)?,
     };
     sections.files = vec![path.to_owned()];
@@ -89,12 +93,26 @@ fn read_file(path: &Path, chosen: &Chosen, rules: &Rules) -> Result<Vec<Sections
     }
 }
 
+fn is_vtp(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vtp"))
+}
+
 /// Whether a file is one of ours by the ending of its name, whatever is in it.
 fn is_text(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     matches!(
         ending.as_str(),
-        "csl" | "contour" | "json" | "jser" | "obj" | "nrrd" | "nhdr" | "mha" | "mhd" | "nii"
+        "csl"
+            | "contour"
+            | "json"
+            | "jser"
+            | "obj"
+            | "vtp"
+            | "nrrd"
+            | "nhdr"
+            | "mha"
+            | "mhd"
+            | "nii"
     )
 }
 
