@@ -27,6 +27,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <vector>
 
 namespace transect::vdb {
 
@@ -38,11 +39,12 @@ void write_nano(const Volumes& volumes, rust::Str path) {
     std::ofstream file;
     file.exceptions(std::ios::badbit | std::ios::failbit);
     file.open(std::string(path), std::ios::binary | std::ios::trunc);
-    // A segment for each, one in memory at a time.
+    // All in one segment: some readers look at the first alone.
+    std::vector<nanovdb::GridHandle<nanovdb::HostBuffer>> handles;
     for (const openvdb::GridBase::Ptr& grid : volumes.grids->all) {
-      const auto handle = TRANSECT_TO_NANO(grid);
-      nanovdb::io::writeGrid(file, handle, nanovdb::io::Codec::NONE);
+      handles.push_back(TRANSECT_TO_NANO(grid));
     }
+    nanovdb::io::writeGrids(file, handles, nanovdb::io::Codec::NONE);
     file.close();
   } catch (const std::ios_base::failure&) {
     throw std::runtime_error(errno != 0 ? std::strerror(errno) : "it cannot be written");

@@ -162,7 +162,8 @@ fn segments_that_overlap_are_in_layers() {
     let folder = folder();
     let path = folder.path().join("seg.dcm");
     write(&path, Kind::Binary, &frames(true));
-    let layers = read_layers(&[path.clone()], &Chosen::default(), &Rules::default()).unwrap();
+    let layers =
+        read_layers(std::slice::from_ref(&path), &Chosen::default(), &Rules::default()).unwrap();
     let names: Vec<Vec<&str>> = layers
         .iter()
         .map(|layer| layer.materials.iter().map(|own| own.name.as_str()).collect())
