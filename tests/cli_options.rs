@@ -352,6 +352,7 @@ fn what_cannot_be_a_picture_is_refused() {
     for option in [["--view", "front"], ["--up", "-z"], ["--size", "64,64"], ["--labels", "1"]] {
         refused("a.ply", &option, &[option[0], ".png"]);
     }
+    refused("a.glb", &["--up", "-z", "--size", "64,64"], &["--size", ".png"]);
     refused("a.png", &["--labels", "1,lung"], &["--labels", "\"lung\"", "3 (liver)", "7 (body)"]);
     refused("a.png", &["--labels", "0"], &["\"0\"", "1 (vessels)"]);
     for [option, value] in [
@@ -601,4 +602,68 @@ fn a_method_is_chosen_by_the_sections_and_the_options() {
     let mut command = transect();
     let compared = run(command.args(["compare-methods", "--methods", "auto,stack"]).arg(&file));
     assert_refused(&compared, &["auto", "leave it out"]);
+}
+
+/// Positions in a .glb: the least and the largest corner of the first mesh.
+fn glb_box(path: &Path) -> [Vec<f64>; 2] {
+    let bytes = std::fs::read(path).expect("a file");
+    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    let root: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).expect("JSON");
+    let place = root["meshes"][0]["primitives"][0]["attributes"]["POSITION"].as_u64();
+    let accessor = &root["accessors"][place.expect("an accessor") as usize];
+    ["min", "max"].map(|end| {
+        let numbers = accessor[end].as_array().expect("numbers").iter();
+        numbers.map(|number| number.as_f64().expect("a number")).collect()
+    })
+}
+
+/// A box of 2 × 4 × 8 without a unit, in metres, as .glb has it, and stood on another side.
+#[test]
+fn units_and_up_count_where_no_picture_is_drawn() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let section = |number: usize, z: f64| {
+        format!("{number} 4 1 0 0 1 {}\n0 0 {z}\n2 0 {z}\n2 4 {z}\n0 4 {z}\n4 1 0 1 2 3\n\n", -z)
+    };
+    let sections: String = (0..9).map(|number| section(number + 1, number as f64)).collect();
+    std::fs::write(path("a.csl"), format!("CSLC\n9 2\n\n{sections}")).expect("a file");
+    let made = |name: &str, more: &[&str]| {
+        let mut command = transect();
+        command.arg("reconstruct").arg(path("a.csl")).args(["--resolution", "32", "--quiet"]);
+        let output = run(command.args(more).arg("-o").arg(path(name)));
+        assert_done(&output);
+        let [least, most] = glb_box(&path(name));
+        let sizes = least.iter().zip(&most).map(|(least, most)| most - least);
+        sizes.collect::<Vec<f64>>()
+    };
+    // Between 8 and 10 high, as the ends are rounded.
+    let is_near = |sizes: &[f64], expected: [f64; 3], unit: f64| {
+        let near = |(size, expected): (&f64, f64)| (size / unit / expected - 1.0).abs() < 0.3;
+        assert!(sizes.iter().zip(expected).all(near), "{sizes:?} and not {expected:?} of {unit}");
+    };
+    // What stands is taller than wide: z becomes y.
+    is_near(&made("a.glb", &[]), [2.0, 9.0, 4.0], 1e-3);
+    is_near(&made("cm.glb", &["--unit", "Centimetres"]), [2.0, 9.0, 4.0], 1e-2);
+    is_near(&made("inch.glb", &["--unit", "inch"]), [2.0, 9.0, 4.0], 0.0254);
+    is_near(&made("x.glb", &["--up", "-x"]), [9.0, 2.0, 4.0], 1e-3);
+    let refused = |name: &str, more: &[&str], words: &[&str]| {
+        let mut command = transect();
+        command.arg("reconstruct").arg(path("a.csl")).args(more).arg("-o").arg(path(name));
+        assert_refused(&run(&mut command), words);
+    };
+    refused("a.3mf", &["--up", "x"], &["--up", ".glb"]);
+    let mut command = transect();
+    command.arg("reconstruct").arg(path("a.csl")).args(["--unit", "furlong", "-o", "b.glb"]);
+    let output = run(&mut command);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("mm, cm, m"), "{}", stderr(&output));
+    // What the file says is overruled, with a note.
+    let mut command = transect();
+    command.arg("reconstruct").arg(phantom()).args(COARSE).args(["--unit", "m"]);
+    let output = run(command.arg("-o").arg(path("p.glb")));
+    assert_done(&output);
+    let text = stderr(&output);
+    assert!(
+        text.contains("note: lengths are taken for m, as was asked for") && text.contains("\"mm\"")
+    );
 }

@@ -12,7 +12,7 @@ use super::args::{MethodArguments, OnlineArguments, ReadingArguments};
 use super::frames::Frames;
 use super::method::method;
 use super::replies::{Cause, Reply, What, reply};
-use super::results::{Results, picture_options};
+use super::results::{Results, picture_options, require_picture};
 use super::targets::{Kind, Target};
 use super::{print_found, table, tell_shortened, write_json};
 use crate::context::Context;
@@ -72,6 +72,7 @@ impl<'a> Online<'a> {
         let options = Options { method, resolution, bounds, margin, ..Options::default() };
         let targets = Target::all(&arguments.output, &arguments.volumes)?;
         let grids = GridName::parse_all(&arguments.volumes.grids)?;
+        require_picture(&arguments.picture, &targets)?;
         let is_written = !targets.is_empty() || arguments.report.is_some();
         if is_written && arguments.watch.is_some() && arguments.idle.is_none() {
             let what = "a folder is watched until Ctrl-C, and nothing is written then: add --idle \
@@ -263,7 +264,7 @@ impl<'a> Online<'a> {
         // Materials that pictures ask for need not be there as long as none is drawn.
         let picture = match targets.iter().any(|target| target.kind == Kind::Picture) {
             true => picture_options(&self.arguments.picture, materials)?,
-            false => PictureOptions::default(),
+            false => PictureOptions { up: self.arguments.picture.up, ..PictureOptions::default() },
         };
         let results = Results::new([model], &self.grids, picture)?;
         let results = results.stored(&self.arguments.volumes);

@@ -3,10 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::{PictureArguments, ReconstructArguments, VolumeArguments, VoxelsName};
+use super::args::{ReconstructArguments, VolumeArguments, VoxelsName};
 use super::bars::Watcher;
 use super::method::{asked, chosen};
-use super::results::{Results, picture_options};
+use super::results::{Results, picture_options, require_picture};
 use super::targets::{Kind, Target};
 use super::{print_found, print_warnings, table, tell_shortened, write_json};
 use crate::choice::choose;
@@ -204,16 +204,6 @@ fn planes_like(arguments: &ReconstructArguments, frame: &str) -> Result<Option<V
         }
     }
     Ok(Some(planes))
-}
-
-/// Options of pictures without any are a mistake.
-fn require_picture(arguments: &PictureArguments, targets: &[Target]) -> Result<()> {
-    let is_drawn = targets.iter().any(|target| target.kind == Kind::Picture);
-    if arguments.is_used() && !is_drawn {
-        let what = "--view, --up, --size and --labels are for pictures: add -o FILE.png";
-        return Err(Error::Option(what.to_owned()));
-    }
-    Ok(())
 }
 
 /// Options of volumes without any are a mistake.

@@ -110,14 +110,14 @@ impl<'a> Results<'a> {
         for (path, label) in target.files(&sections.materials)? {
             match (target.kind, label) {
                 (Kind::Mesh(kind), None) => {
-                    let about = About::from(sections);
+                    let about = self.about();
                     write_surface(outputs, &path, kind, &self.surfaces, &about)?;
                 }
                 (Kind::Mesh(kind), Some(label)) => {
                     let part = self.surfaces.surface(label).into_mesh(label);
                     let own: Vec<Material> =
                         sections.material(label).cloned().into_iter().collect();
-                    let about = About { materials: &own, ..About::from(sections) };
+                    let about = About { materials: &own, ..self.about() };
                     write_surface(outputs, &path, kind, &part, &about)?;
                 }
                 (Kind::Volume(kind), label) => self.write_voxels(outputs, &path, kind, label)?,
@@ -133,6 +133,12 @@ impl<'a> Results<'a> {
             }
         }
         Ok(())
+    }
+
+    /// What files say about surfaces, with another direction up where one is asked for.
+    fn about(&self) -> About<'_> {
+        let sections = self.sections.as_ref();
+        About { sides: self.picture.sides(sections), ..About::from(sections) }
     }
 
     fn write_volumes(
@@ -238,6 +244,19 @@ fn write_surface(
         })?;
     }
     Ok(())
+}
+
+/// Options of pictures without any are a mistake; which way is up counts elsewhere, too.
+pub fn require_picture(arguments: &PictureArguments, targets: &[Target]) -> Result<()> {
+    let any = |is: fn(Kind) -> bool| targets.iter().any(|target| is(target.kind));
+    let what = if arguments.is_of_picture() && !any(|kind| kind == Kind::Picture) {
+        "--view, --size and --labels are for pictures: add -o FILE.png"
+    } else if arguments.up.is_some() && !any(Kind::knows_up) {
+        "--up is for pictures and .glb, and none is written: add -o FILE.png or -o FILE.glb"
+    } else {
+        return Ok(());
+    };
+    Err(Error::Option(what.to_owned()))
 }
 
 /// How pictures are drawn, of these materials.

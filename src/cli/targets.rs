@@ -61,6 +61,11 @@ impl Kind {
         matches!(self, Self::Vdb | Self::Nvdb | Self::Usd)
     }
 
+    /// Whether it matters there which way is up.
+    pub fn knows_up(self) -> bool {
+        matches!(self, Self::Picture | Self::Mesh(MeshKind::Glb))
+    }
+
     /// The stage that writes it.
     pub fn stage(self) -> &'static str {
         match self {

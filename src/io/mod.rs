@@ -76,6 +76,7 @@ pub fn read_part(path: &Path, rules: &Rules) -> Result<Sections> {
         path if is_vtp(path) => vtp::read(&read_bytes(path)?, path, rules)?,
         path => read_drawing(path, rules)?,
     };
+    units::measure(&mut sections, rules);
     sections.files = vec![path.to_owned()];
     Ok(sections)
 }
@@ -87,10 +88,19 @@ pub fn is_layered(path: &Path) -> bool {
 
 /// The layers of a file that may have several.
 fn read_file(path: &Path, chosen: &Chosen, rules: &Rules) -> Result<Vec<Sections>> {
-    match images::is_layered(path) {
-        true => images::read_layers(path, chosen, rules),
-        false => dicom::read(path, chosen, rules),
+    let mut layers = match images::is_layered(path) {
+        true => images::read_layers(path, chosen, rules)?,
+        false => dicom::read(path, chosen, rules)?,
+    };
+    for (place, layer) in layers.iter_mut().enumerate() {
+        let notes = layer.notes.len();
+        units::measure(layer, rules);
+        // Once for the file.
+        if place > 0 {
+            layer.notes.truncate(notes);
+        }
     }
+    Ok(layers)
 }
 
 fn is_vtp(path: &Path) -> bool {
@@ -194,7 +204,9 @@ pub fn read_all(paths: &[PathBuf], rules: &Rules) -> Result<Sections> {
     let others = others.into_iter().map(|path| read_part(path, rules));
     let mut parts = others.collect::<Result<Vec<_>>>()?;
     if !slices.is_empty() {
-        parts.push(images::read_files(&slices, rules)?);
+        let mut stack = images::read_files(&slices, rules)?;
+        units::measure(&mut stack, rules);
+        parts.push(stack);
     }
     let mut sections = match parts.len() {
         1 => parts.remove(0),

@@ -75,7 +75,8 @@ impl Default for PictureOptions {
 }
 
 impl PictureOptions {
-    fn sides(&self, sections: &Sections) -> Sides {
+    /// The sides of what is drawn.
+    pub(crate) fn sides(&self, sections: &Sections) -> Sides {
         let sides = Sides::of(sections);
         self.up.map_or(sides, |up| sides.standing(up))
     }

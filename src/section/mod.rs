@@ -224,6 +224,8 @@ pub struct Rules {
     pub unknown: Option<Label>,
     /// Whether every warning is an error.
     pub strict: bool,
+    /// The unit of all lengths, whatever the files say; without it what they say.
+    pub unit: Option<&'static str>,
     /// What files of images do not say themselves.
     pub images: ImageRules,
 }
@@ -244,6 +246,7 @@ impl Default for Rules {
             overlap: None,
             unknown: None,
             strict: false,
+            unit: None,
             images,
         }
     }

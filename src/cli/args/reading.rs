@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::ImageArguments;
 use crate::error::Error;
 use crate::io::structures::{Chosen, several};
-use crate::io::{is_layered, read_layers};
+use crate::io::{is_layered, read_layers, units};
 use crate::label::Label;
 use crate::section::{Overlap, Rules, Sections};
 
@@ -90,6 +90,10 @@ pub struct ReadingArguments {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     pub tolerance: Option<f64>,
+    /// The unit of all lengths in these files, as mm, cm, m, um, in: what .glb, .3mf and .dcm go by [default: what the files say; where they say nothing, millimetres]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    pub unit: Option<&'static str>,
     #[command(flatten)]
     #[serde(flatten)]
     pub images: ImageArguments,
@@ -104,8 +108,8 @@ impl ReadingArguments {
         });
         let unknown = self.unknown_label.map(Label);
         let images = self.images.rules();
-        let snapping = self.tolerance;
-        Rules { overlap, unknown, snapping, strict: self.strict, images, ..Rules::default() }
+        let (snapping, unit, strict) = (self.tolerance, self.unit, self.strict);
+        Rules { overlap, unknown, snapping, unit, strict, images, ..Rules::default() }
     }
 }
 
@@ -122,4 +126,10 @@ fn length(text: &str) -> Result<f64, String> {
         Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
         _ => Err("a length of 0 or more is needed".to_owned()),
     }
+}
+
+/// A unit of length by one of its names.
+fn unit(text: &str) -> Result<&'static str, String> {
+    let known = units::known(text).map(|(sign, _)| sign);
+    known.ok_or_else(|| format!("a unit of length is needed: {}", units::signs().join(", ")))
 }
