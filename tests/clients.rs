@@ -186,6 +186,66 @@ fn lib3mf_finds_nothing_wrong() {
     assert_as_expected(&found(Command::new(python).arg(script("lib3mf_client.py")), &files));
 }
 
+/// What SimpleITK measures between two volumes, of a label.
+#[derive(Debug, Deserialize)]
+struct Measured {
+    dice: f64,
+    jaccard: f64,
+    hausdorff: f64,
+    surface_hausdorff: f64,
+    assd: f64,
+    volume: f64,
+}
+
+/// Its distances are between centres of voxels, ours between faces: a voxel's diagonal apart at
+/// most, and much less on the average.
+#[test]
+fn simpleitk_measures_the_same_of_labels() {
+    let Some(python) = python("SimpleITK") else { return };
+    let folder = folder();
+    let [one, other] = ["one.mha", "other.mha"].map(|name| folder.path().join(name));
+    assert_done(&reconstruct(folder.path(), &["one.mha"], &["--quiet"]));
+    let more = ["--quiet", "--method", "mvc", "--smooth", "0", "--like"];
+    let mut again = transect();
+    again.arg("reconstruct").arg(phantom()).args(COARSE).args(more).arg(&one).arg("-o").arg(&other);
+    assert_done(&run(&mut again));
+    let output = run(transect().args(["compare", "--json"]).args([&one, &other]));
+    assert_done(&output);
+    let ours: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(ours["exact_overlap"], true);
+    let output = run(Command::new(python).arg(script("simpleitk_client.py")).args([&one, &other]));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let result = text.lines().find_map(|line| line.strip_prefix("RESULT "));
+    let result = result.unwrap_or_else(|| panic!("no result: {text}{}", stderr(&output)));
+    let theirs: BTreeMap<u32, Measured> = serde_json::from_str(result).expect("figures");
+    let labels = ours["labels"].as_array().expect("labels");
+    assert_eq!(labels.len(), theirs.len());
+    for own in labels {
+        let label = own["label"].as_u64().expect("a number") as u32;
+        let (own, theirs) = (&own["agreement"], &theirs[&label]);
+        let number = |name: &str| own[name].as_f64().unwrap_or_else(|| panic!("{name}: {own}"));
+        let place = format!("label {label}: {own} and {theirs:?}");
+        assert!((number("dice") - theirs.dice).abs() < 1e-12, "{place}");
+        assert!((number("iou") - theirs.jaccard).abs() < 1e-12, "{place}");
+        let volume = own["volumes"][0].as_f64().expect("a volume");
+        assert!((volume / theirs.volume - 1.0).abs() < 1e-9, "{place}");
+        let voxel = voxel(&one);
+        let diagonal = voxel * 3f64.sqrt();
+        assert!((number("hausdorff") - theirs.surface_hausdorff).abs() < diagonal, "{place}");
+        assert!((number("hausdorff") - theirs.hausdorff).abs() < 2.0 * diagonal, "{place}");
+        assert!((number("assd") - theirs.assd).abs() < 0.5 * voxel, "{place}");
+    }
+}
+
+/// The side of the voxels of a MetaImage.
+fn voxel(file: &Path) -> f64 {
+    let bytes = std::fs::read(file).expect("a file");
+    let header = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]).into_owned();
+    let line = header.lines().find(|line| line.starts_with("ElementSpacing"));
+    let word = line.and_then(|line| line.split_whitespace().nth(2)).expect("a spacing");
+    word.parse().expect("a number")
+}
+
 /// By hand: `cargo test --release --test clients -- --ignored`.
 #[test]
 #[ignore = "needs Blender, which is large"]

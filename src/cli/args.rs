@@ -53,7 +53,7 @@ pub enum Command {
     Convert(ConvertArguments),
     /// Tell what is in section files, and what is wrong with it
     Inspect(InspectArguments),
-    /// Measure how far a mesh is from a reference
+    /// Measure how far a mesh or a volume of labels is from a reference, label by label
     Compare(CompareArguments),
     /// Reconstruct sections by every method, and tell what each makes of them
     CompareMethods(CompareMethodsArguments),
@@ -313,12 +313,15 @@ pub struct InspectArguments {
 
 #[derive(Debug, Args)]
 pub struct CompareArguments {
-    /// A closed mesh: .ply, .obj, .stl, .off
-    #[arg(value_name = "MESH")]
-    pub mesh: PathBuf,
-    /// What it is held against
+    /// A closed mesh: .ply, .obj, .stl, .off; or a volume of labels: .nrrd, .seg.nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd
+    #[arg(value_name = "SOLID")]
+    pub solid: PathBuf,
+    /// What it is held against: either kind
     #[arg(value_name = "REFERENCE")]
     pub reference: PathBuf,
+    /// Tell what part of the surfaces is no farther apart than this (surface Dice), in the reference's unit
+    #[arg(long, value_name = "LENGTH", value_parser = positive)]
+    pub tolerance: Option<f64>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

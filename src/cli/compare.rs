@@ -1,18 +1,20 @@
-//! `transect compare`: how far a mesh is from a reference.
+//! `transect compare`: how far a solid is from a reference.
 
 use super::args::CompareArguments;
 use super::bars::Watcher;
 use super::{print, table};
-use crate::compare::{Options, compare};
+use crate::compare::{Options, compare_labels};
 use crate::error::Result;
-use crate::io::mesh::read_mesh;
+use crate::io::shapes::read_shape;
 
 /// Measures and prints.
 pub fn run(arguments: &CompareArguments) -> Result<()> {
-    let mesh = read_mesh(&arguments.mesh)?;
-    let reference = read_mesh(&arguments.reference)?;
     let watcher = Watcher::new(arguments.quiet);
-    let comparison = compare(&mesh, &reference, &Options::default(), watcher.progress())?;
+    watcher.progress().begin("read", 0);
+    let solid = read_shape(&arguments.solid)?;
+    let reference = read_shape(&arguments.reference)?;
+    let options = Options { tolerance: arguments.tolerance, ..Options::default() };
+    let comparison = compare_labels(solid, &reference, &options, watcher.progress())?;
     watcher.finish();
     print(arguments.json, &comparison, table::comparison)
 }

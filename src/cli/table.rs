@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use crate::compare::Comparison;
 use crate::label::Material;
 use crate::report::Report;
 use crate::section::Disagreement;
@@ -11,10 +10,12 @@ use crate::stack::Links;
 use crate::stage::Stage;
 use crate::terminal::Lines;
 
+mod comparison;
 mod crosscheck;
 mod labels;
 mod methods;
 
+pub use comparison::comparison;
 pub use crosscheck::print_crosscheck;
 use labels::write_labels;
 pub use methods::methods;
@@ -222,40 +223,11 @@ fn write_stages(
     writeln!(out, "{:<12}{seconds:>8.2} s {memory:>9}", "all")
 }
 
-/// A comparison as text.
-pub fn comparison(comparison: &Comparison) -> String {
-    let mut lines = Lines::default();
-    // Writing to lines cannot fail.
-    let _ = write_comparison(&mut lines, comparison);
-    lines.as_str().to_owned()
-}
-
-fn write_comparison(out: &mut Lines, comparison: &Comparison) -> std::fmt::Result {
-    let Comparison { to_reference: to, from_reference: from, .. } = comparison;
-    writeln!(out, "IoU            {:.5}", comparison.iou)?;
-    writeln!(
-        out,
-        "Hausdorff      {:.6}  (to the reference {:.6}, from it {:.6})",
-        comparison.hausdorff, to.max, from.max
-    )?;
-    writeln!(
-        out,
-        "mean distance  {:.6}  (to the reference {:.6}, from it {:.6})",
-        comparison.chamfer, to.mean, from.mean
-    )?;
-    writeln!(out, "volume ratio   {:.5}", comparison.volume_ratio)?;
-    writeln!(out, "area ratio     {:.5}", comparison.area_ratio)?;
-    writeln!(
-        out,
-        "distances are relative to the reference's diagonal of {}",
-        number(comparison.diagonal)
-    )?;
-    comparison.warnings.iter().try_for_each(|warning| writeln!(out, "warning: {warning}"))
-}
-
 /// Six significant digits.
 fn number(value: f64) -> String {
-    let value = value + 0.0; // no −0
+    if value == 0.0 {
+        return "0".to_owned();
+    }
     let digits = value.abs().max(1e-300).log10().floor();
     if (-4.0..6.0).contains(&digits) {
         format!("{value:.*}", (5.0 - digits) as usize)

@@ -1,26 +1,32 @@
-//! How far a solid is from a reference solid. A network of several materials
-//! counts as the union of them all.
+//! How far a solid is from a reference solid: all materials as one, and label by label.
 
+mod agreement;
 mod columns;
+mod labels;
 pub mod methods;
 pub mod normals;
 mod sampling;
+mod shape;
+mod solid;
+mod steps;
 
 pub(crate) use sampling::draw;
 
-use glam::DVec3;
 use serde::Serialize;
 
-use crate::error::{Error, Result};
-use crate::label::Label;
-use crate::mesh::nearest::Nearest;
-use crate::mesh::{Mesh, Surface};
-use crate::plane::Bounds;
+use crate::error::Result;
+use crate::mesh::Mesh;
 use crate::progress::Progress;
-use columns::{Columns, Grid};
+use agreement::agreement;
+use solid::Solid;
+use steps::Steps;
+
+pub use agreement::{Agreement, Lengths};
+pub use labels::{LabelComparison, LabelledComparison, compare_labels};
+pub use shape::{Content, Shape};
 
 /// How finely is looked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Voxels on the longest side of the box around both solids, for volumes
     /// in common.
@@ -29,11 +35,14 @@ pub struct Options {
     pub samples: u32,
     /// What they are drawn from: the same points for the same seed.
     pub seed: u64,
+    /// How far surfaces may be apart to count as the same for the surface Dice, in world units of
+    /// the reference; without it there is none.
+    pub tolerance: Option<f64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { grid: 256, samples: 100_000, seed: 0 }
+        Self { grid: 256, samples: 100_000, seed: 0, tolerance: None }
     }
 }
 
@@ -69,7 +78,32 @@ pub struct Distance {
     pub mean: f64,
 }
 
-/// Compares a mesh with a reference in the same frame.
+impl Comparison {
+    /// The figures over the diagonal of the reference's box.
+    fn new(agreement: &Agreement, diagonal: f64, warnings: Vec<String>) -> Self {
+        let distance = |lengths: Lengths| Distance {
+            max: lengths.max / diagonal,
+            mean: lengths.mean / diagonal,
+        };
+        let to_reference = distance(agreement.to_reference);
+        let from_reference = distance(agreement.from_reference);
+        let ratio = |[own, reference]: [f64; 2]| own / reference;
+        Self {
+            iou: agreement.iou,
+            hausdorff: to_reference.max.max(from_reference.max),
+            chamfer: 0.5 * (to_reference.mean + from_reference.mean),
+            to_reference,
+            from_reference,
+            volume_ratio: ratio(agreement.volumes),
+            area_ratio: ratio(agreement.areas),
+            diagonal,
+            warnings,
+        }
+    }
+}
+
+/// Compares a mesh with a reference in the same frame. A network of several materials counts as
+/// the union of them all.
 ///
 /// # Errors
 /// When one of them has no surface around its materials, or the reference no
@@ -80,124 +114,20 @@ pub fn compare(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Comparison> {
-    progress.begin("compare", 5);
+    let steps = Steps::new("compare", 1, progress);
     let mut warnings = Vec::new();
     let mut solids = [
-        Solid::new(mesh, "mesh", &mut warnings)?,
-        Solid::new(reference, "reference", &mut warnings)?,
+        Solid::of_materials(mesh, "mesh", &mut warnings)?,
+        Solid::of_materials(reference, "reference", &mut warnings)?,
     ];
-    progress.advance(1);
-    let iou = iou(&mut solids, options, &mut warnings)?;
-    let [solid, reference] = solids;
-    progress.advance(1);
-    let diagonal = reference.bounds.diagonal();
-    let to_reference = distance(&solid.surface, &reference.surface, diagonal, options)?;
-    progress.advance(1);
-    let from_reference = distance(&reference.surface, &solid.surface, diagonal, options)?;
-    progress.advance(2);
-    Ok(Comparison {
-        iou,
-        hausdorff: to_reference.max.max(from_reference.max),
-        chamfer: 0.5 * (to_reference.mean + from_reference.mean),
-        to_reference,
-        from_reference,
-        volume_ratio: solid.volume / reference.volume,
-        area_ratio: solid.area / reference.area,
-        diagonal,
-        warnings,
-    })
-}
-
-/// What a mesh encloses.
-struct Solid {
-    name: &'static str,
-    surface: Surface,
-    bounds: Bounds,
-    /// Whether all of the surface is closed and faces outward.
-    is_outward: bool,
-    volume: f64,
-    area: f64,
-}
-
-impl Solid {
-    fn new(mesh: &Mesh, name: &'static str, warnings: &mut Vec<String>) -> Result<Self> {
-        let surface = mesh.surface_of(Label::is_material);
-        let Some(bounds) = Bounds::around(surface.vertices.iter().copied()) else {
-            return Err(Error::Option(format!(
-                "the {name} has no surface: there is nothing to compare"
-            )));
-        };
-        let facts = surface.facts(false)?;
-        if !facts.closed {
-            warnings.push(format!(
-                "the {name} is not closed, or its triangles do not agree on which side is out: \
-                 its volume is doubtful"
-            ));
-        } else if !facts.outward {
-            warnings.push(format!(
-                "the {name} faces inward in part: what it encloses counts as inside all the same"
-            ));
-        }
-        let (volume, area) = (facts.volume.abs(), facts.area);
-        Ok(Self { name, surface, bounds, is_outward: facts.outward, volume, area })
-    }
-
-    /// What of a grid lies inside. Where the surface says no volume, the grid does.
-    fn columns(&mut self, grid: &Grid, warnings: &mut Vec<String>) -> Columns {
-        let (name, columns) = (self.name, grid.columns(&self.surface));
-        if columns.odd > 0 {
-            warnings.push(format!(
-                "{} of {} lines through the {name} leave it more or less often than they enter: \
-                 it is not closed there",
-                columns.odd,
-                grid.count(),
-            ));
-        }
-        let inside = columns.inside();
-        if columns.overlapping > 0 {
-            warnings.push(format!(
-                "the {name} overlaps itself in {:.2} % of its volume, which counts once; areas and \
-                 distances are of all of its surface",
-                100.0 * columns.overlapping as f64 / inside as f64
-            ));
-        }
-        if columns.overlapping > 0 || !self.is_outward {
-            self.volume = grid.volume(inside);
-        }
-        columns
-    }
-}
-
-/// Counts voxels whose centres lie inside.
-fn iou(solids: &mut [Solid; 2], options: &Options, warnings: &mut Vec<String>) -> Result<f64> {
-    let [solid, reference] = &solids;
-    let joint = solid.bounds.union(reference.bounds);
-    let grid = Grid::around(&joint, options.grid.max(1));
-    let inside = solids.each_mut().map(|solid| solid.columns(&grid, warnings));
-    let is_empty = |solid: &&Solid| solid.volume == 0.0 || solid.volume.is_nan();
-    if let Some(Solid { name, .. }) = solids.iter().find(is_empty) {
-        return Err(Error::Option(format!("the {name} encloses no volume: it must be closed")));
-    }
-    let (common, union) = inside[0].common_and_union(&inside[1]);
-    if union == 0 {
-        let what = "both solids are thinner than a voxel everywhere: choose a finer grid";
-        return Err(Error::Option(what.into()));
-    }
-    Ok(common as f64 / union as f64)
-}
-
-fn distance(from: &Surface, to: &Surface, diagonal: f64, options: &Options) -> Result<Distance> {
-    let nearest = Nearest::on_surface(to)?;
-    let drawn: Vec<DVec3> = sampling::draw(from, options.samples.max(1), options.seed);
-    let drawn = nearest.distances(&drawn)?;
-    let vertices = nearest.distances(&from.vertices)?;
-    let max = drawn.iter().chain(&vertices).copied().fold(0.0, f64::max);
-    let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
-    Ok(Distance { max: max / diagonal, mean: mean / diagonal })
+    let found = agreement(&mut solids, None, options, &steps.part(0), &mut warnings)?;
+    Ok(Comparison::new(&found, solids[1].bounds.diagonal(), warnings))
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::mesh::shapes::solid;
     use crate::progress::Silent;

@@ -203,22 +203,31 @@ pub fn write_mesh(
 /// # Errors
 /// Where the file cannot be read, is empty, damaged, or has no triangle.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
-    let kind = match MeshKind::of(path) {
+    let kind = readable(path)?;
+    parse(kind, &super::read_bytes(path)?, path)
+}
+
+/// The kind of a file that meshes are read from.
+pub(super) fn readable(path: &Path) -> Result<MeshKind> {
+    match MeshKind::of(path) {
         Some(MeshKind::Vtp | MeshKind::Vtu | MeshKind::Vtm | MeshKind::Glb | MeshKind::Threemf) => {
             let what = format!("this kind is written, not read: meshes are read from {MESH_KINDS}");
-            return Err(Error::file(path, what));
+            Err(Error::file(path, what))
         }
-        Some(kind) => kind,
+        Some(kind) => Ok(kind),
         None => {
             let what = format!("this kind of file is not known: meshes are read from {MESH_KINDS}");
-            return Err(Error::file(path, what));
+            Err(Error::file(path, what))
         }
-    };
-    let bytes = super::read_bytes(path)?;
-    let text = super::without_mark(&bytes);
+    }
+}
+
+/// The mesh in the bytes of a file.
+pub(super) fn parse(kind: MeshKind, bytes: &[u8], path: &Path) -> Result<Mesh> {
+    let text = super::without_mark(bytes);
     let mesh = match kind {
         MeshKind::Ply => ply::read(text, path)?,
-        MeshKind::Stl => stl::read(&bytes, path)?.mesh(path)?,
+        MeshKind::Stl => stl::read(bytes, path)?.mesh(path)?,
         MeshKind::Obj => obj::united(obj::read(&String::from_utf8_lossy(text), path)?.mesh(path)?),
         _ => off::read(&String::from_utf8_lossy(text), path)?.mesh(path)?,
     };

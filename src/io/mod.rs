@@ -18,6 +18,7 @@ pub mod off;
 pub mod ply;
 mod polygons;
 pub mod polylines;
+pub mod shapes;
 pub mod stl;
 pub mod structures;
 mod text;

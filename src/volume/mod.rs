@@ -1,10 +1,12 @@
 //! Volumes of labels: a lattice of voxels, each with one label, anywhere in
 //! the world.
 
+mod boundary;
 mod cut;
 mod distances;
 mod drawn;
 mod fill;
+mod layered;
 mod slices;
 
 use std::collections::BTreeMap;
@@ -14,9 +16,11 @@ use glam::{DMat3, DVec3};
 use crate::label::{Label, Material};
 use crate::plane::Bounds;
 
+pub use boundary::Boundary;
 pub use distances::distances;
 pub(crate) use drawn::{Shown, shown};
 pub use fill::fill;
+pub use layered::{LayeredVolume, Tally};
 pub use slices::Slices;
 pub(crate) use slices::nth;
 
