@@ -248,7 +248,7 @@ pub struct PictureArguments {
     /// Where a picture is taken from: front, back, left, right, top, bottom, several of them as front-left-top, an axis (-y), or the direction X,Y,Z towards the viewer [default: what shows most]
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     pub view: Option<Viewpoint>,
-    /// What is up in a picture, and becomes y in a .glb: an axis (z, -y) or a direction X,Y,Z [default: what the sections call up, else z]
+    /// What is up in a picture, and becomes y in a .glb and .usda: an axis (z, -y) or a direction X,Y,Z [default: what the sections call up, else z]
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true,
           value_parser = picture::parse_direction)]
     pub up: Option<DVec3>,

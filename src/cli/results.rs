@@ -162,7 +162,7 @@ impl<'a> Results<'a> {
         let volumes = usd::volumes(path);
         let written =
             self.write_volumes(outputs, &volumes, Storage::OpenVdb { half: self.half })?;
-        let about = About::from(self.sections.as_ref());
+        let about = self.about();
         outputs.write(path, |out| {
             usd::write(&written, &volumes, &about, self.surfaces.bounds(), out)
                 .map_err(|error| write_error(path, &error))
@@ -252,7 +252,7 @@ pub fn require_picture(arguments: &PictureArguments, targets: &[Target]) -> Resu
     let what = if arguments.is_of_picture() && !any(|kind| kind == Kind::Picture) {
         "--view, --size and --labels are for pictures: add -o FILE.png"
     } else if arguments.up.is_some() && !any(Kind::knows_up) {
-        "--up is for pictures and .glb, and none is written: add -o FILE.png or -o FILE.glb"
+        "--up is for pictures, .glb and .usda, and none is written: add -o FILE.png or another one"
     } else {
         return Ok(());
     };

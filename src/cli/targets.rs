@@ -63,7 +63,7 @@ impl Kind {
 
     /// Whether it matters there which way is up.
     pub fn knows_up(self) -> bool {
-        matches!(self, Self::Picture | Self::Mesh(MeshKind::Glb))
+        matches!(self, Self::Picture | Self::Usd | Self::Mesh(MeshKind::Glb))
     }
 
     /// The stage that writes it.
