@@ -72,10 +72,10 @@ fn first_centre(at: f64, count: usize) -> usize {
 }
 
 /// Where a triangle that passes the plane k = `height` cuts it, in i and j: from start to end with
-/// its back on the left. Vertices on the plane count as above it.
+/// its back on the left. Vertices on the plane count as below it, as for what passes a slice.
 fn segment(triangle: [u32; 3], vertices: &[[f64; 3]], height: f64) -> [[f64; 2]; 2] {
     let corners = triangle.map(|vertex| vertices[vertex as usize]);
-    let is_above = corners.map(|corner| corner[2] >= height);
+    let is_above = corners.map(|corner| corner[2] > height);
     let is_lone = |corner: usize| {
         is_above[corner] != is_above[(corner + 1) % 3]
             && is_above[corner] != is_above[(corner + 2) % 3]
@@ -203,5 +203,37 @@ mod tests {
             (label, (at.length() - 0.7).abs().min(at.x.abs()))
         };
         assert_filled(&mesh, [17; 3], placement, halves, 0.03);
+    }
+
+    /// Sections' planes pass through vertices of results, and where slices are drawn those are the
+    /// slices of the lattice, too.
+    #[test]
+    fn vertices_on_the_very_nodes() {
+        let corner = |x, y, z| 4.0 + 3.0 * DVec3::new(x, y, z);
+        let vertices = [-1.0, 1.0]
+            .into_iter()
+            .flat_map(|side| {
+                [corner(side, 0.0, 0.0), corner(0.0, side, 0.0), corner(0.0, 0.0, side)]
+            })
+            .collect();
+        let mut triangles = Vec::new();
+        for [x, y, z] in [[0, 1, 2], [3, 4, 2], [3, 1, 5], [0, 4, 5]] {
+            // The opposite of each, which faces the other way, is turned.
+            let opposite = [x, y, z].map(|vertex| (vertex + 3) % 6);
+            triangles.extend([[x, z, y], opposite]);
+        }
+        let sides = vec![[Label(1), Label::OUTSIDE]; triangles.len()];
+        let octahedron = Mesh { vertices, triangles, sides };
+        let inside = |at: DVec3| {
+            let distance = (at - 4.0).abs().element_sum() - 3.0;
+            (u32::from(distance < 0.0), distance)
+        };
+        for turned in [DVec3::ONE, DVec3::new(1.0, 1.0, -1.0)] {
+            let steps = DMat3::from_diagonal(turned);
+            let origin = 4.0 - 4.0 * turned;
+            let filled =
+                assert_filled(&octahedron, [9; 3], Placement { origin, steps }, inside, 1e-9);
+            assert!(filled >= 25, "{filled}");
+        }
     }
 }
