@@ -217,3 +217,30 @@ fn a_name_too_long_leaves_all_outputs_as_they_were() {
     assert_eq!(fs::read_to_string(folder.path().join("n.ply")).expect("a file"), "old");
     assert_eq!(entries(folder.path()), ["a.json", "n.ply"]);
 }
+
+/// What takes no time and little memory, whatever a small file says.
+#[test]
+fn no_header_and_no_line_takes_for_ever() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let start = Instant::now();
+    // A line that goes on and on.
+    let contours = "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3 1".to_owned() + &"\\\n".repeat(1_000_000);
+    fs::write(path("lines.obj"), contours).expect("a file");
+    assert_done(&run(transect().arg("inspect").arg(path("lines.obj"))));
+    // A pile of slices of which few are where the contours are, and one that nothing can hold.
+    let like = |slices: u64| {
+        let header = format!(
+            "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = 9 9 {slices}\n\
+             ElementSpacing = 1 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+        );
+        fs::write(path("like.mha"), header).expect("a file");
+        let mut command = transect();
+        command.arg("reconstruct").arg(overlapping(folder.path())).arg("--planes-like");
+        command.arg(path("like.mha")).args(["--resolution", "16", "-o"]).arg(path("a.dcm"));
+        run(&mut command)
+    };
+    assert_done(&like(3_000_000));
+    assert_refused(&like(1_000_000_000_000_000), &["like.mha", "slices", "are available"]);
+    assert!(start.elapsed() < Duration::from_secs(20));
+}

@@ -21,6 +21,7 @@ use crate::io::volume::is_volume;
 use crate::io::volume::like::read_voxels;
 use crate::io::volume::write::{Voxels, in_frame};
 use crate::layers::{self, Layer};
+use crate::memory;
 use crate::model::Options;
 use crate::output::{Outputs, write_error};
 use crate::plane::Plane;
@@ -189,6 +190,8 @@ fn planes_like(arguments: &ReconstructArguments, frame: &str) -> Result<Option<V
     let Some(file) = &arguments.planes_like else { return Ok(None) };
     if is_volume(file) {
         let Voxels { dims: [_, _, count], placement, frame: own, .. } = read_voxels(file)?;
+        let needed = (count as u64).saturating_mul(size_of::<Plane>() as u64);
+        memory::require(needed, || format!("{}: {count} slices", file.display()))?;
         let placement = in_frame(placement, &own, frame);
         let steps = placement.steps;
         let normal = steps.x_axis.cross(steps.y_axis).normalize();

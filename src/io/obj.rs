@@ -37,9 +37,12 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str
     std::iter::from_fn(move || {
         let (number, line) = lines.next()?;
         let mut line = Cow::Borrowed(line);
-        while let Some(begin) = line.trim_end().strip_suffix('\\') {
-            let (_, more) = lines.next().unwrap_or_default();
-            line = Cow::Owned(format!("{begin} {more}"));
+        while let Some(end) = line.trim_end().strip_suffix('\\').map(str::len) {
+            // In place, for there may be very many.
+            let (whole, (_, more)) = (line.to_mut(), lines.next().unwrap_or_default());
+            whole.truncate(end);
+            whole.push(' ');
+            whole.push_str(more);
         }
         Some((number + 1, line))
     })

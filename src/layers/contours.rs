@@ -7,6 +7,7 @@ use crate::io::dicom::StructureContours;
 use crate::io::units::metres;
 use crate::io::volume::write::turn;
 use crate::label::{Label, Material};
+use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::plane::Plane;
 use crate::section::{Section, Sections};
@@ -15,6 +16,8 @@ use crate::slice::slice;
 /// Planes that differ by less, as a part of the diagonal of all contours, are one slice: each
 /// structure's were fitted to its own contours.
 const ONE: f64 = 1e-4;
+/// What is beside a mesh by this part of its diagonal is on it but for rounding.
+const BESIDE: f64 = 1e-9;
 
 /// The planes of all sections, each once.
 pub fn planes_of(models: &[&Model]) -> Vec<Plane> {
@@ -62,7 +65,7 @@ pub fn structure_contours(models: &[&Model], planes: &[Plane]) -> Result<Vec<Str
             let surface = derived.mesh.surface(label).into_mesh(label);
             let mut contours: Vec<Vec<DVec3>> = Vec::new();
             if !surface.triangles.is_empty() {
-                for section in slice(&surface, planes)? {
+                for section in slice(&surface, &reaching(planes, &surface))? {
                     let place = |&vertex: &u32| millimetres * sign * section.point(vertex);
                     let own = section.regions()?;
                     let own = own.iter().filter(|region| region.label == label);
@@ -74,4 +77,14 @@ pub fn structure_contours(models: &[&Model], planes: &[Plane]) -> Result<Vec<Str
         }
     }
     Ok(found)
+}
+
+/// Those of some planes that reach a mesh: images may have far more slices than that.
+fn reaching(planes: &[Plane], mesh: &Mesh) -> Vec<Plane> {
+    let Some(bounds) = mesh.bounds() else { return Vec::new() };
+    let half = 0.5 * bounds.size() + BESIDE * bounds.diagonal();
+    let reaches = |plane: &&Plane| {
+        plane.distance(bounds.middle()).abs() <= plane.unit_normal().abs().dot(half)
+    };
+    planes.iter().filter(reaches).copied().collect()
 }
