@@ -1,19 +1,20 @@
 //! Surfaces as the programs that people open them with see them: the scripts in `tests/clients`
-//! open files with trimesh, VTK, lib3mf and Blender, and say what is in them. Python is the one
-//! that `TRANSECT_PYTHON` names, or that of `target/clients-venv`, where `./x test` puts what
-//! `requirements.txt` lists.
+//! open files with trimesh, VTK, lib3mf and Blender, and say what is in them.
 
 #[path = "common/program.rs"]
 mod program;
+#[path = "common/python.rs"]
+mod python;
 #[path = "common/skipped.rs"]
 mod skipped;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::sync::OnceLock;
 
 use program::*;
+use python::{python, result, script};
 use serde::Deserialize;
 use tempfile::TempDir;
 use transect::io::{read_mesh, read_sections};
@@ -102,35 +103,10 @@ fn each(ending: &str) -> Vec<String> {
     written().expected.keys().map(|name| format!("{name}.{ending}")).collect()
 }
 
-/// A script of `tests/clients`.
-fn script(name: &str) -> PathBuf {
-    repository("tests/clients").join(name)
-}
-
-/// Python with a module; says so when there is none.
-fn python(module: &str) -> Option<PathBuf> {
-    let own = repository("target/clients-venv/bin/python");
-    let given = std::env::var_os("TRANSECT_PYTHON").map(PathBuf::from);
-    let python = given.unwrap_or_else(|| if own.exists() { own } else { "python3".into() });
-    let imports = format!("import numpy, {module}");
-    match Command::new(&python).args(["-c", &imports]).output() {
-        Ok(output) if output.status.success() => Some(python),
-        _ => {
-            skipped::skipped(format_args!("{} has no module {module}", python.display()));
-            None
-        }
-    }
-}
-
 /// What a client finds in files.
 fn found(command: &mut Command, files: &[String]) -> Found {
     let folder = written().folder.path();
-    let output = run(command.args(files).current_dir(folder));
-    let text = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{text}{}", stderr(&output));
-    let result = text.lines().find_map(|line| line.strip_prefix("RESULT "));
-    let result = result.unwrap_or_else(|| panic!("no result: {text}{}", stderr(&output)));
-    serde_json::from_str(result).expect("bodies")
+    result(command.args(files).current_dir(folder))
 }
 
 /// Every file holds what it should: all bodies, or the one that it is called after.
