@@ -93,6 +93,7 @@ pub mod direction;
 pub mod error;
 mod ffi;
 pub mod field;
+mod figures;
 mod gpu;
 pub mod grid;
 pub mod inspect;

@@ -275,6 +275,17 @@ fn passages_of(
 }
 
 impl LabelCheck {
+    /// Whether its surface is closed, as tables say it.
+    pub fn closed_in_words(&self) -> &'static str {
+        let facts = &self.facts;
+        match self.open_edges {
+            _ if facts.triangles == 0 => "nothing",
+            0 if facts.closed && facts.outward => "yes",
+            1.. if self.open_at_box && facts.outward => "but for the box",
+            _ => "NO",
+        }
+    }
+
     fn is_sound(&self) -> bool {
         self.facts.outward && (self.facts.closed || self.open_edges > 0) && self.open_at_box
     }

@@ -35,6 +35,25 @@ pub struct Passage {
     pub torn: Vec<[f64; 3]>,
 }
 
+impl Passage {
+    /// "2 pieces begin and 1 ends", and less where there is none of either.
+    pub fn in_words(&self) -> String {
+        let verb = |count: usize, one: &str, many: &str| match count {
+            1 => one.to_owned(),
+            _ => many.to_owned(),
+        };
+        let Self { begin, end, .. } = *self;
+        let pieces = |count: usize| verb(count, "piece", "pieces");
+        let (begins, ends) = (verb(begin, "begins", "begin"), verb(end, "ends", "end"));
+        match (begin, end) {
+            (0, 0) => String::new(),
+            (_, 0) => format!("{begin} {} {begins}", pieces(begin)),
+            (0, _) => format!("{end} {} {ends}", pieces(end)),
+            _ => format!("{begin} {} {begins} and {end} {ends}", pieces(begin)),
+        }
+    }
+}
+
 /// The passages of each label, in the stack's order. `labels` are sorted;
 /// `parts` are those between the stack's sections.
 pub fn passages(
@@ -245,5 +264,18 @@ mod tests {
             moved(0.41, 0.5, 0.379),
         ];
         assert_eq!(found(balls, &sections), [(between("-0.21", "0.21"), 1, 1, 0)]);
+    }
+
+    #[test]
+    fn pieces_are_counted_in_words() {
+        let said = |begin, end| {
+            let sections = [String::new(), String::new()];
+            Passage { sections, begin, end, torn: Vec::new() }.in_words()
+        };
+        assert_eq!(said(2, 1), "2 pieces begin and 1 ends");
+        assert_eq!(said(1, 2), "1 piece begins and 2 end");
+        assert_eq!(said(0, 3), "3 pieces end");
+        assert_eq!(said(1, 0), "1 piece begins");
+        assert_eq!(said(0, 0), "");
     }
 }

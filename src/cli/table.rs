@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::figures::{grouped, mebibytes, number};
 use crate::label::Material;
 use crate::report::Report;
 use crate::section::Disagreement;
@@ -221,34 +222,4 @@ fn write_stages(
     }
     let memory = mebibytes(peak_memory);
     writeln!(out, "{:<12}{seconds:>8.2} s {memory:>9}", "all")
-}
-
-/// Six significant digits.
-fn number(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = value.abs().max(1e-300).log10().floor();
-    if (-4.0..6.0).contains(&digits) {
-        format!("{value:.*}", (5.0 - digits) as usize)
-    } else {
-        format!("{value:.5e}")
-    }
-}
-
-/// Groups of three digits.
-fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-fn mebibytes(bytes: u64) -> String {
-    format!("{} MiB", bytes.div_ceil(1 << 20))
 }

@@ -51,12 +51,7 @@ fn write_label(out: &mut Lines, report: &Report, label: &LabelCheck) -> Result {
         number(facts.area),
         facts.components,
         facts.genus,
-        match label.open_edges {
-            _ if facts.triangles == 0 => "nothing",
-            0 if facts.closed && facts.outward => "yes",
-            1.. if label.open_at_box && facts.outward => "but for the box",
-            _ => "NO",
-        }
+        label.closed_in_words()
     )
 }
 
@@ -68,7 +63,7 @@ fn write_passages(out: &mut Lines, report: &Report) -> Result {
         .collect();
     for (label, passage) in all.iter().take(PASSAGES) {
         let [one, other] = &passage.sections;
-        let what = begin_and_end(passage);
+        let what = passage.in_words();
         if !what.is_empty() {
             writeln!(out, "{}: {what} between sections {one} and {other}", name(report, label))?;
         }
@@ -78,23 +73,6 @@ fn write_passages(out: &mut Lines, report: &Report) -> Result {
         writeln!(out, "… and {rest} more places where pieces begin or end (--report lists them)")?;
     }
     Ok(())
-}
-
-/// "2 pieces begin and 1 ends", and less where there is none of either.
-fn begin_and_end(passage: &Passage) -> String {
-    let verb = |count: usize, one: &str, many: &str| match count {
-        1 => one.to_owned(),
-        _ => many.to_owned(),
-    };
-    let Passage { begin, end, .. } = *passage;
-    let pieces = |count: usize| verb(count, "piece", "pieces");
-    let (begins, ends) = (verb(begin, "begins", "begin"), verb(end, "ends", "end"));
-    match (begin, end) {
-        (0, 0) => String::new(),
-        (_, 0) => format!("{begin} {} {begins}", pieces(begin)),
-        (0, _) => format!("{end} {} {ends}", pieces(end)),
-        _ => format!("{begin} {} {begins} and {end} {ends}", pieces(begin)),
-    }
 }
 
 /// Contours that the surface does not come near to.
@@ -118,22 +96,4 @@ fn write_unreached(out: &mut Lines, report: &Report, label: &LabelCheck) -> Resu
         unreached.contours,
         number(unreached.length),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pieces_are_counted_in_words() {
-        let said = |begin, end| {
-            let sections = [String::new(), String::new()];
-            begin_and_end(&Passage { sections, begin, end, torn: Vec::new() })
-        };
-        assert_eq!(said(2, 1), "2 pieces begin and 1 ends");
-        assert_eq!(said(1, 2), "1 piece begins and 2 end");
-        assert_eq!(said(0, 3), "3 pieces end");
-        assert_eq!(said(1, 0), "1 piece begins");
-        assert_eq!(said(0, 0), "");
-    }
 }
