@@ -110,6 +110,7 @@ pub mod model;
 pub mod online;
 pub mod oracle;
 mod output;
+pub mod page;
 pub mod picture;
 pub mod plane;
 pub mod progress;

@@ -178,6 +178,27 @@ impl Default for Hermite {
 }
 
 impl Method {
+    /// What it is called, and what it does.
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Variational(_) => {
+                "variational: the smoothest field through the contours".to_owned()
+            }
+            Self::MeanValue(own) if own.smooth > 0.0 => {
+                "mvc: the mean-value indicator, made smooth between sections".to_owned()
+            }
+            Self::MeanValue(_) => "mvc: the mean-value indicator".to_owned(),
+            Self::Hermite(_) => {
+                "hermite: distances and their gradients, interpolated cell by cell".to_owned()
+            }
+            Self::Skeleton(own) => {
+                let fair = if own.fairing.is_some() { ", made fair" } else { "" };
+                format!("skeleton: the label of the nearest section, exactly{fair}")
+            }
+            Self::Stack(_) => "stack: distances interpolated between parallel sections".to_owned(),
+        }
+    }
+
     /// What is on the box's faces.
     pub fn border(&self) -> Label {
         match self {

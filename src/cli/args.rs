@@ -63,8 +63,8 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct ReconstructArguments {
-    /// An output file, its kind by its name: .vdb, .nvdb, .usda (with the .vdb it shows), .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a structure set: .dcm; a picture: .png; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
-    #[arg(short, long, required = true, value_name = "FILE")]
+    /// An output file, its kind by its name: .vdb, .nvdb, .usda (with the .vdb it shows), .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off; volumes of labels: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .vti; a structure set: .dcm; a picture: .png; a report to read: .html; can be repeated. A surface or volume of labels with {label} or {name} in its name is written once for each material
+    #[arg(short, long, required_unless_present = "report", value_name = "FILE")]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
     pub method: MethodArguments,
@@ -84,8 +84,8 @@ pub struct ReconstructArguments {
     /// With --method skeleton: write the surface with exact coordinates as JSON
     #[arg(long, value_name = "FILE.json")]
     pub exact: Option<PathBuf>,
-    /// Write the report as JSON
-    #[arg(long, value_name = "FILE.json")]
+    /// Write the report as JSON, or, when the name ends in .html, as a page to read, with pictures and the surfaces to turn
+    #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArguments,

@@ -12,8 +12,8 @@ use super::args::{MethodArguments, OnlineArguments, ReadingArguments};
 use super::frames::Frames;
 use super::method::method;
 use super::replies::{Cause, Reply, What, reply};
-use super::results::{Results, picture_options, require_picture};
-use super::targets::{Kind, Target};
+use super::results::{Results, picture_options, require_picture, write_pages};
+use super::targets::{Kind, Target, report_targets};
 use super::{print_found, table, tell_shortened, write_json};
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -52,6 +52,8 @@ struct Online<'a> {
     grids: Vec<GridName>,
     /// What is written at the end.
     targets: Vec<Target>,
+    /// Where the report for programs goes.
+    report: Option<&'a Path>,
 }
 
 /// The options as the user gave them.
@@ -70,7 +72,9 @@ impl<'a> Online<'a> {
         let (method, grid) = (method(&arguments.method, false)?, arguments.method.grid);
         let (resolution, margin, bounds) = (grid.resolution(), grid.margin, *bounds);
         let options = Options { method, resolution, bounds, margin, ..Options::default() };
-        let targets = Target::all(&arguments.output, &arguments.volumes)?;
+        let mut targets = Target::all(&arguments.output, &arguments.volumes)?;
+        let (report, page) = report_targets(arguments.report.as_deref())?;
+        targets.extend(page);
         let grids = GridName::parse_all(&arguments.volumes.grids)?;
         require_picture(&arguments.picture, &targets)?;
         let is_written = !targets.is_empty() || arguments.report.is_some();
@@ -80,7 +84,7 @@ impl<'a> Online<'a> {
             return Err(Error::Option(what.to_owned()));
         }
         // They are written much later, but what is wrong with them is told now.
-        reserve(&targets, arguments)?;
+        reserve(&targets, report)?;
         let frames = emit.as_ref().map(|path| Frames::new(path, *emit_kind, arguments.resume));
         let frames = frames.transpose()?;
         let mut stages = Stages::default();
@@ -88,7 +92,7 @@ impl<'a> Online<'a> {
         if arguments.patches {
             session.follow_patches();
         }
-        let mut online = Self { arguments, session, frames, grids, targets };
+        let mut online = Self { arguments, session, frames, grids, targets, report };
         if let Some(resumed) = &resumed {
             online.tell_resumed(resumed)?;
         }
@@ -246,6 +250,9 @@ impl<'a> Online<'a> {
 
     /// Writes the report on what the model is now.
     fn save_report(&self, path: &Path, stages: &mut Stages) -> Result<()> {
+        if let (_, Some(_)) = report_targets(Some(path))? {
+            return self.save(path, stages);
+        }
         let mut outputs = Outputs::reserve([path])?;
         let report = self.write_targets(&[], &mut outputs, stages)?;
         outputs.write(path, |out| write_json(path, &report, out))?;
@@ -262,7 +269,7 @@ impl<'a> Online<'a> {
         let model = self.session.model();
         let materials = &model.sections().materials;
         // Materials that pictures ask for need not be there as long as none is drawn.
-        let picture = match targets.iter().any(|target| target.kind == Kind::Picture) {
+        let picture = match targets.iter().any(|target| target.kind.has_pictures()) {
             true => picture_options(&self.arguments.picture, materials)?,
             false => PictureOptions { up: self.arguments.picture.up, ..PictureOptions::default() },
         };
@@ -279,16 +286,23 @@ impl<'a> Online<'a> {
         let checked = model.check(&mut context);
         *stages = context.stages;
         let checked = checked?;
-        for target in targets {
+        for target in targets.iter().filter(|target| target.kind != Kind::Page) {
             stages.run(target.kind.stage(), |_| results.write(outputs, target))?;
         }
+        let is_page = targets.iter().any(|target| target.kind == Kind::Page);
+        let drawn = || stages.run("page", |_| results.page([&checked], &Silent));
+        let page = is_page.then(drawn).transpose()?;
         let nothing = || Error::Option("there is nothing to report: no section is left".to_owned());
-        model.report(checked, stages).ok_or_else(nothing)
+        let report = model.report(checked, stages).ok_or_else(nothing)?;
+        if let Some(page) = &page {
+            write_pages(outputs, targets, page, &report)?;
+        }
+        Ok(report)
     }
 
     /// What is asked for at the end.
     fn finish(&self) -> Result<()> {
-        let report_path = self.arguments.report.as_deref();
+        let report_path = self.report;
         if self.targets.is_empty() && report_path.is_none() {
             return Ok(());
         }
@@ -348,7 +362,7 @@ fn words(arguments: &OnlineArguments) -> Result<Value> {
 }
 
 /// Makes sure that what is written at the end can be, and that no two names are the same.
-fn reserve(targets: &[Target], arguments: &OnlineArguments) -> Result<()> {
-    let mut outputs = Outputs::reserve(arguments.report.as_deref())?;
+fn reserve(targets: &[Target], report: Option<&Path>) -> Result<()> {
+    let mut outputs = Outputs::reserve(report)?;
     targets.iter().try_for_each(|target| target.reserve_known(&mut outputs))
 }

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::args::{ReconstructArguments, VolumeArguments, VoxelsName};
 use super::bars::Watcher;
 use super::method::{asked, chosen};
-use super::results::{Results, picture_options, require_picture};
-use super::targets::{Kind, Target};
+use super::results::{Results, picture_options, require_picture, write_pages};
+use super::targets::{Kind, Target, report_targets};
 use super::{print_found, print_warnings, table, tell_shortened, write_json};
 use crate::choice::choose;
 use crate::context::Context;
@@ -30,7 +30,9 @@ use crate::skeleton::Details;
 
 /// Reconstructs and writes.
 pub fn run(arguments: &ReconstructArguments) -> Result<()> {
-    let targets = Target::all(&arguments.output, &arguments.volumes)?;
+    let mut targets = Target::all(&arguments.output, &arguments.volumes)?;
+    let (report_path, page) = report_targets(arguments.report.as_deref())?;
+    targets.extend(page);
     let grids = GridName::parse_all(&arguments.volumes.grids)?;
     let grid = arguments.method.grid;
     let (resolution, margin) = (grid.resolution(), grid.margin);
@@ -41,7 +43,7 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     require_volumes(&arguments.volumes, &targets)?;
     let like = like(arguments, &targets)?;
     let template = template(arguments, &targets)?;
-    let mut outputs = reserve(arguments, &targets)?;
+    let mut outputs = reserve(arguments, report_path, &targets)?;
 
     let watcher = Watcher::new(arguments.quiet);
     let mut context = Context::new(arguments.input.reading.rules(), watcher.progress());
@@ -98,7 +100,11 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     let results = Results::new(made.iter().map(|layer| &layer.model), &grids, picture)?;
     let results = results.stored(&arguments.volumes).like(like).contoured(planes, template);
     let Context { mut stages, progress, .. } = context;
-    for target in &targets {
+    let is_page = targets.iter().any(|target| target.kind == Kind::Page);
+    let checks = made.iter().map(|layer| &layer.check);
+    let page =
+        is_page.then(|| stages.run("page", |_| results.page(checks, progress))).transpose()?;
+    for target in targets.iter().filter(|target| target.kind != Kind::Page) {
         let stage = target.kind.stage();
         stages.run(stage, |_| {
             progress.begin(stage, 0);
@@ -110,7 +116,10 @@ pub fn run(arguments: &ReconstructArguments) -> Result<()> {
     }
     drop(results);
     let report = layers::report(made, &stages)?;
-    if let Some(path) = &arguments.report {
+    if let Some(page) = &page {
+        write_pages(&mut outputs, &targets, page, &report)?;
+    }
+    if let Some(path) = report_path {
         outputs.write(path, |out| write_json(path, &report, out))?;
     }
     watcher.finish();
@@ -226,10 +235,14 @@ fn require_volumes(arguments: &VolumeArguments, targets: &[Target]) -> Result<()
 }
 
 /// All files whose names are known before anything is read.
-fn reserve(arguments: &ReconstructArguments, targets: &[Target]) -> Result<Outputs> {
+fn reserve(
+    arguments: &ReconstructArguments,
+    report: Option<&Path>,
+    targets: &[Target],
+) -> Result<Outputs> {
     let mut outputs = Outputs::default();
     targets.iter().try_for_each(|target| target.reserve_known(&mut outputs))?;
-    let mut json = arguments.report.iter().chain(&arguments.exact);
+    let mut json = report.into_iter().chain(arguments.exact.as_deref());
     json.try_for_each(|path| outputs.add(path))?;
     Ok(outputs)
 }

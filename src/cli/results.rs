@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::args::{PictureArguments, VolumeArguments, VoxelsName};
 use super::targets::{Kind, Target};
+use crate::check::Check;
 use crate::error::{Error, Result};
 use crate::io::dicom::{self, Template};
 use crate::io::mesh::{About, MeshKind, write_mesh};
@@ -19,8 +20,11 @@ use crate::mesh::Mesh;
 use crate::mesh::caps::CAP_TOLERANCE;
 use crate::model::{Derived, Model};
 use crate::output::{Outputs, write_error};
+use crate::page::{Page, Part};
 use crate::picture::{self, PictureOptions};
 use crate::plane::Plane;
+use crate::progress::Progress;
+use crate::report::Report;
 use crate::section::Sections;
 
 /// How many materials an error lists.
@@ -130,6 +134,8 @@ impl<'a> Results<'a> {
                 }
                 (Kind::Usd, _) => self.write_scene(outputs, &path)?,
                 (Kind::Picture, _) => self.write_picture(outputs, &path)?,
+                // It is written when the report is there.
+                (Kind::Page, _) => (),
             }
         }
         Ok(())
@@ -139,6 +145,20 @@ impl<'a> Results<'a> {
     fn about(&self) -> About<'_> {
         let sections = self.sections.as_ref();
         About { sides: self.picture.sides(sections), ..About::from(sections) }
+    }
+
+    /// What pages show besides a report, with what each layer is worth.
+    ///
+    /// # Errors
+    /// When cancelled, and when CGAL fails.
+    pub fn page<'b>(
+        &self,
+        checks: impl IntoIterator<Item = &'b Check>,
+        progress: &dyn Progress,
+    ) -> Result<Page> {
+        let parts = self.layers.iter().zip(checks);
+        let parts: Vec<Part> = parts.map(|(&(model, _), check)| Part { model, check }).collect();
+        Page::new(&parts, &self.surfaces, &self.sections, &self.picture, progress)
     }
 
     fn write_volumes(
@@ -225,6 +245,28 @@ fn surfaces<'a>(model: &'a Model, derived: &'a Derived) -> Cow<'a, Mesh> {
     }
 }
 
+/// Writes a page to all of the targets that are one.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_pages(
+    outputs: &mut Outputs,
+    targets: &[Target],
+    page: &Page,
+    report: &Report,
+) -> Result<()> {
+    let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let command = command.collect::<Vec<_>>().join(" ");
+    for target in targets.iter().filter(|target| target.kind == Kind::Page) {
+        for (path, _) in target.files(&[])? {
+            outputs.write(&path, |out| {
+                page.write(report, &command, out).map_err(|error| write_error(&path, &error))
+            })?;
+        }
+    }
+    Ok(())
+}
+
 /// Writes a file and those beside it.
 fn write_surface(
     outputs: &mut Outputs,
@@ -249,8 +291,8 @@ fn write_surface(
 /// Options of pictures without any are a mistake; which way is up counts elsewhere, too.
 pub fn require_picture(arguments: &PictureArguments, targets: &[Target]) -> Result<()> {
     let any = |is: fn(Kind) -> bool| targets.iter().any(|target| is(target.kind));
-    let what = if arguments.is_of_picture() && !any(|kind| kind == Kind::Picture) {
-        "--view, --size and --labels are for pictures: add -o FILE.png"
+    let what = if arguments.is_of_picture() && !any(Kind::has_pictures) {
+        "--view, --size and --labels are for pictures: add -o FILE.png or FILE.html"
     } else if arguments.up.is_some() && !any(Kind::knows_up) {
         "--up is for pictures, .glb and .usda, and none is written: add -o FILE.png or another one"
     } else {

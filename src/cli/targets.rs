@@ -30,6 +30,8 @@ pub enum Kind {
     Structures,
     Mesh(MeshKind),
     Picture,
+    /// A report that people read.
+    Page,
 }
 
 impl Kind {
@@ -45,13 +47,14 @@ impl Kind {
             ("nvdb", _) => Ok(Self::Nvdb),
             ("usda", _) => Ok(Self::Usd),
             ("png", _) => Ok(Self::Picture),
+            ("html" | "htm", _) => Ok(Self::Page),
             ("dcm", _) => Ok(Self::Structures),
             (_, Some(kind)) => Ok(Self::Mesh(kind)),
             _ => VolumeKind::of(path).map(Self::Volume).ok_or_else(|| Error::file(
                 path,
                 "this kind of file is not known: the name of an output ends in .vdb, .nvdb, .usda, \
                  .ply, .vtp, .vtu, .vtm, .glb, .3mf, .obj, .stl, .off, .nrrd, .seg.nrrd, .nii, .nii.gz, \
-                 .mha, .vti, .dcm or .png",
+                 .mha, .vti, .dcm, .png or .html",
             )),
         }
     }
@@ -63,7 +66,12 @@ impl Kind {
 
     /// Whether it matters there which way is up.
     pub fn knows_up(self) -> bool {
-        matches!(self, Self::Picture | Self::Usd | Self::Mesh(MeshKind::Glb))
+        self.has_pictures() || matches!(self, Self::Usd | Self::Mesh(MeshKind::Glb))
+    }
+
+    /// Whether it shows the surface from somewhere.
+    pub fn has_pictures(self) -> bool {
+        matches!(self, Self::Picture | Self::Page)
     }
 
     /// The stage that writes it.
@@ -73,6 +81,7 @@ impl Kind {
             Self::Structures => "contours",
             Self::Mesh(_) => "surfaces",
             Self::Picture => "picture",
+            Self::Page => "page",
         }
     }
 }
@@ -83,6 +92,14 @@ pub struct Target {
     /// As the user named it.
     path: PathBuf,
     pub kind: Kind,
+}
+
+/// Where a report goes: the names of those for programs, and pages for people.
+pub fn report_targets(report: Option<&Path>) -> Result<(Option<&Path>, Option<Target>)> {
+    match report {
+        Some(path) if Kind::of(path) == Ok(Kind::Page) => Ok((None, Some(Target::new(path)?))),
+        _ => Ok((report, None)),
+    }
 }
 
 impl Target {

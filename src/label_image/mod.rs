@@ -23,7 +23,8 @@ use crate::section::{Findings, Rules, Section};
 
 use curves::contours;
 pub use mpu::CurveOptions;
-use trace::{Contours, Pixels};
+pub(crate) use trace::Contours;
+use trace::Pixels;
 
 /// Below this part of what two steps would span at a right angle, pixels have no area.
 const FLAT: f64 = 1e-6;

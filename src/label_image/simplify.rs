@@ -40,7 +40,7 @@ impl Contours {
 
     /// The points along curves from one place where edges meet to the next, or around: then the
     /// last is the first. With the labels on their left and right.
-    fn chains(&self) -> Vec<(Vec<u32>, [Label; 2])> {
+    pub fn chains(&self) -> Vec<(Vec<u32>, [Label; 2])> {
         let mut around: Vec<Vec<u32>> = vec![Vec::new(); self.points.len()];
         for (number, edge) in (0u32..).zip(&self.edges) {
             for end in [edge.start, edge.end] {

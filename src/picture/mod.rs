@@ -144,6 +144,11 @@ pub fn viewpoint(mesh: &Mesh, sections: &Sections, options: &PictureOptions) -> 
     Viewpoint::Direction(camera.towards().as_dvec3())
 }
 
+/// The materials of a network that pictures draw as glass, since they hide others.
+pub(crate) fn glass(mesh: &Mesh) -> Vec<Label> {
+    scene::glass_of(mesh)
+}
+
 /// Pictures of one size with their titles, in rows.
 pub fn side_by_side(pictures: &[(String, RgbaImage)]) -> RgbaImage {
     let Some((_, first)) = pictures.first() else { return RgbaImage::default() };

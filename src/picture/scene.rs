@@ -204,6 +204,11 @@ impl Roles {
     }
 }
 
+/// The materials of a network that are drawn as glass.
+pub fn glass_of(mesh: &Mesh) -> Vec<Label> {
+    glass_labels(&shared_areas(mesh))
+}
+
 fn occurring_labels(
     on_mesh: impl Iterator<Item = Label>,
     sections: &[Section],

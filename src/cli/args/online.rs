@@ -50,8 +50,8 @@ pub struct OnlineArguments {
     pub threads: ThreadsArgument,
     #[command(flatten)]
     pub volumes: VolumeArguments,
-    /// Write the report as JSON, at the end
-    #[arg(long, value_name = "FILE.json")]
+    /// Write the report at the end, as JSON or, when the name ends in .html, as a page to read
+    #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArguments,
