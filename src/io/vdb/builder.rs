@@ -45,16 +45,7 @@ impl<'a> Builder<'a> {
         match grid.quantity {
             Quantity::Surface => self.add_level_set(name, within),
             Quantity::Density => self.add_density(name, within),
-            Quantity::Mask => {
-                let Volume { background, leaves, values, tiles, tile_values } =
-                    volume::labels(&LabelGrid::new(samples));
-                let ones = |labels: Vec<Label>| -> Vec<f32> {
-                    labels.into_iter().map(|label| f32::from(u8::from(within(label)))).collect()
-                };
-                let (values, tile_values) = (ones(values), ones(tile_values));
-                let background = f32::from(u8::from(within(background)));
-                self.add_volume(name, &Volume { background, leaves, values, tiles, tile_values })
-            }
+            Quantity::Mask => self.add_volume(name, &mask(&LabelGrid::new(samples), within)),
             Quantity::Label => {
                 labels::add_labels(&mut self.volumes, name, &LabelGrid::new(samples))
             }
@@ -140,4 +131,15 @@ impl<'a> Builder<'a> {
     fn set_text(&mut self, grid: &str, key: &str, text: &str) -> Result<()> {
         ffi::set_text(self.volumes.pin_mut(), grid, key, text).map_err(library)
     }
+}
+
+/// 1 at nodes of some labels, which outside is none of, 0 elsewhere.
+fn mask(grid: &LabelGrid, within: impl Fn(Label) -> bool) -> Volume<f32> {
+    let Volume { leaves, values, tiles, tile_values, .. } = volume::labels(grid);
+    let one = |label: Label| f32::from(u8::from(within(label)));
+    let values = values.into_iter().map(one).collect();
+    let tiles = tiles.into_iter().zip(tile_values).filter(|&(_, label)| within(label));
+    let tiles: Vec<[i32; 3]> = tiles.map(|(tile, _)| tile).collect();
+    let tile_values = vec![1.0; tiles.len()];
+    Volume { background: 0.0, leaves, values, tiles, tile_values }
 }
