@@ -4,6 +4,16 @@ export function connectPlates(viewer, corners) {
   const dialog = document.getElementById("large");
   const plates = [...document.querySelectorAll("[data-plate]")];
   if (!dialog || plates.length === 0) return;
+  // The plane of the one that was looked at last stays in space until somebody wants it away.
+  const away = document.createElement("button");
+  away.type = "button";
+  away.textContent = "hide section";
+  away.hidden = true;
+  away.addEventListener("click", () => {
+    viewer.showPlane(null);
+    away.hidden = true;
+  });
+  document.querySelector("#viewer .views")?.append(away);
   let shown = 0;
   const show = (number) => {
     shown = (number + plates.length) % plates.length;
@@ -12,6 +22,7 @@ export function connectPlates(viewer, corners) {
     const words = plate.parentElement.querySelector("figcaption").cloneNode(true);
     dialog.querySelector(".turn p").replaceChildren(...words.childNodes);
     viewer?.showPlane(corners[shown], "#e0672b");
+    away.hidden = false;
     if (!dialog.open) dialog.showModal();
   };
   plates.forEach((plate, number) => plate.addEventListener("click", () => show(number)));
