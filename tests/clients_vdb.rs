@@ -62,13 +62,15 @@ fn a_second_reader_finds_the_same_values_in_the_same_places() {
     let folder = folder();
     let path = |name: &str| folder.path().join(name);
     let mut names = vec!["whole.vdb", "half.vdb", "scene.usda", "scene.vdb"];
-    let more = ["--grids", "all", "--resolution", "40", "--quiet"];
+    let more = ["--grids", "all", "--quiet"];
     assert_done(&reconstruct(folder.path(), &["whole.vdb", "scene.usda"], &more));
-    let more = ["--grids", "all", "--resolution", "40", "--quiet", "--half"];
+    let more = ["--grids", "all", "--quiet", "--half"];
     assert_done(&reconstruct(folder.path(), &["half.vdb"], &more));
     if transect::io::vdb::has_nano() {
-        assert_done(&reconstruct(folder.path(), &["whole.nvdb"], &more[..5]));
-        names.push("whole.nvdb");
+        assert_done(&reconstruct(folder.path(), &["whole.nvdb"], &more[..3]));
+        let one = ["--grids", "density_3", "--quiet"];
+        assert_done(&reconstruct(folder.path(), &["one.nvdb"], &one));
+        names.extend(["whole.nvdb", "one.nvdb"]);
     } else {
         skipped::skipped("NanoVDB was not there when this was built");
     }
@@ -95,9 +97,10 @@ fn a_second_reader_finds_the_same_values_in_the_same_places() {
     }
     let file = VdbFile::read(&path("whole.vdb")).expect("OpenVDB's own reader");
     for (name, grids) in &found.others {
-        assert_eq!(grids.len(), 6 + 4 * 7, "{name}");
+        assert_eq!(grids.len(), if name == "one.nvdb" { 1 } else { 6 + 4 * 7 });
+        assert!(grids.values().any(|grid| grid.values.len() >= 50), "{name}");
         for grid in file.grids().expect("grids") {
-            let other = &grids[&grid.name];
+            let Some(other) = grids.get(&grid.name) else { continue };
             assert_eq!(other.active, grid.active, "{name}: {}", grid.name);
             assert!((other.voxel - grid.voxel.x).abs() < 1e-9, "{other:?}");
             for &(x, y, z, value) in &other.values {

@@ -179,7 +179,7 @@ fn options_of_volumes_without_any_are_refused() {
 #[test]
 fn a_scene_names_the_grids_beside_it() {
     let folder = folder();
-    let more = ["--grids", "houdini", "--half", "--resolution", "32", "--quiet"];
+    let more = ["--grids", "houdini", "--half", "--quiet"];
     assert_done(&reconstruct(folder.path(), &["a.usda", "a.vdb"], &more));
     let scene = fs::read_to_string(folder.path().join("a.usda")).unwrap();
     let file = transect::io::vdb::VdbFile::read(&folder.path().join("a.vdb")).unwrap();

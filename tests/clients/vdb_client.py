@@ -47,7 +47,8 @@ def nano_grids(path, nodes):
         found[name] = {
             "active": file.active_voxel_count(number),
             "voxel": file.voxel_size(number),
-            "values": [[*node, file.get(number, *node)] for node in nodes.get(name, [])],
+            # tinyvdb 0.9 looks up values in the first grid, whichever is named.
+            "values": [[*node, file.get(0, *node)] for node in nodes[name]] if number == 0 else [],
         }
     return found
 

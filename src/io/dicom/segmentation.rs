@@ -213,6 +213,7 @@ fn pixels(object: &Object) -> Checked<Pixels<'_>> {
     };
     let bytes = match element.value() {
         Value::Primitive(dicom_core::PrimitiveValue::U8(bytes)) => bytes.as_slice(),
+        Value::Primitive(dicom_core::PrimitiveValue::Empty) => &[],
         Value::PixelSequence(_) => {
             return Err("its pixels are compressed: export it without compression".to_owned());
         }
