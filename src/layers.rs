@@ -18,7 +18,7 @@ use crate::report::Report;
 use crate::section::Sections;
 use crate::stage::{Stage, Stages};
 
-pub use contours::{planes_of, structure_contours};
+pub use contours::{drawn_contours, planes_of, structure_contours};
 pub use voxels::{own_voxels, require_like, voxel_distances, voxel_layers};
 
 /// A layer that was reconstructed and checked.

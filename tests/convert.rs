@@ -39,6 +39,60 @@ fn there_and_back_again_sections_are_the_same() {
     assert!(bytes("c.csl") == bytes("d.csl") && bytes("b.json") == bytes("e.json"));
 }
 
+/// The areas of all labels on the planes of a file, by plane and label.
+fn areas(path: &Path) -> Vec<([i64; 4], u32, f64)> {
+    let sections = read_sections(path, &Rules::default()).expect("sections");
+    let mut all = Vec::new();
+    for section in &sections.sections {
+        let plane = section.plane().unit();
+        let sign = plane.normal.to_array().into_iter().find(|own| own.abs() > 1e-6);
+        let sign = sign.expect("a normal").signum();
+        let [x, y, z] = (sign * plane.normal).to_array();
+        let plane = [x, y, z, sign * plane.offset].map(|own| (1e3 * own).round() as i64);
+        for region in section.regions().expect("regions") {
+            if region.label.is_material() {
+                all.push((plane, region.label.0, region.area));
+            }
+        }
+    }
+    all.sort_by(|one, other| one.partial_cmp(other).expect("numbers"));
+    all
+}
+
+#[test]
+fn every_kind_of_contours_is_written_and_read() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let wanted = areas(&phantom());
+    assert!(wanted.len() > 100);
+    for name in ["a.csl", "a.contour", "a.obj", "a.vtp"] {
+        assert_done(&convert(&phantom(), &at(name)));
+        let found = areas(&at(name));
+        assert_eq!(found.len(), wanted.len(), "{name}");
+        for (own, other) in found.iter().zip(&wanted) {
+            assert_eq!((own.0, own.1), (other.0, other.1), "{name}");
+            assert!((own.2 - other.2).abs() < 1e-6 * other.2, "{name}: {own:?} {other:?}");
+        }
+    }
+    // Structures do not exclude each other, and holes are reached by keyholes.
+    let output = convert(&phantom(), &at("a.dcm"));
+    assert_done(&output);
+    assert!(stderr(&output).contains("note: .dcm has no words for names of sections"));
+    let rules = Rules::default();
+    let layers = transect::io::read_layers(&[at("a.dcm")], &Default::default(), &rules);
+    let layers = layers.expect("a structure set");
+    assert_eq!(layers.len(), 7);
+    let names: Vec<&str> = layers.iter().map(|own| own.materials[0].name.as_str()).collect();
+    assert_eq!((names[2], names[6]), ("liver", "body"));
+    for (layer, label) in layers.iter().zip(1..) {
+        let regions = layer.sections.iter().flat_map(|own| own.regions().expect("regions"));
+        let own = regions.filter(|own| own.label.is_material()).map(|own| own.area).sum::<f64>();
+        let drawn = wanted.iter().filter(|own| own.1 == label);
+        let drawn: f64 = drawn.map(|own| own.2).sum();
+        assert!((own - drawn).abs() < 1e-3 * drawn, "{label}: {own} {drawn}");
+    }
+}
+
 #[test]
 fn what_the_other_kind_cannot_say_is_refused_or_told() {
     let folder = folder();
@@ -50,12 +104,14 @@ fn what_the_other_kind_cannot_say_is_refused_or_told() {
     assert_done(&output);
     let told = stderr(&output);
     assert!(
-        told.contains("note: .csl has no words for") && told.contains("names and colours"),
+        told.contains("note: .csl has no words for") && told.contains("names of labels"),
         "{told}"
     );
     let output = run(transect().args(["convert", "-q"]).arg(phantom()).arg("-o").arg(&target));
     assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(0), ""));
-    assert_refused(&convert(&phantom(), &folder.path().join("a.contour")), &[".csl and .json"]);
+    assert_refused(&convert(&phantom(), &folder.path().join("a.ply")), &["written to .json, .csl"]);
+    let sweep = convert(&repository("examples/sweep.json"), &folder.path().join("a.obj"));
+    assert_refused(&sweep, &["unknown region", "as .obj"]);
     // Several files become one.
     let (other, both) = (folder.path().join("b.csl"), folder.path().join("both.json"));
     fs::write(&other, CSL).expect("a file");

@@ -177,7 +177,7 @@ fn every_command_is_answered_and_what_is_refused_changes_nothing() {
     let mut nan = a.clone();
     nan["sections"][0]["loops"][0]["points"][1][0] = json!(1e300);
     online.refuses(&json!({"add": nan}).to_string(), &["line 8", "section a", "vertex 1"]);
-    online.refuses(r#"{"save": "a.xyz"}"#, &["a.xyz", ".vdb, .ply"]);
+    online.refuses(r#"{"save": "a.xyz"}"#, &["a.xyz", ".vdb, .nvdb"]);
     online.refuses("\"\u{fffd}\u{0}", &["no command"]);
 
     let answer = online.does(json!({"all": [{"add": c}, {"remove": 1}]}));

@@ -12,7 +12,7 @@ use super::args::{MethodArguments, OnlineArguments, ReadingArguments};
 use super::frames::Frames;
 use super::method::method;
 use super::replies::{Cause, Reply, What, reply};
-use super::results::{Results, picture_options, require_picture, write_pages};
+use super::results::{Results, picture_options, write_pages};
 use super::targets::{Kind, Target, report_targets};
 use super::{print_found, table, tell_shortened, write_json};
 use crate::context::Context;
@@ -76,7 +76,6 @@ impl<'a> Online<'a> {
         let (report, page) = report_targets(arguments.report.as_deref())?;
         targets.extend(page);
         let grids = GridName::parse_all(&arguments.volumes.grids)?;
-        require_picture(&arguments.picture, &targets)?;
         let is_written = !targets.is_empty() || arguments.report.is_some();
         if is_written && arguments.watch.is_some() && arguments.idle.is_none() {
             let what = "a folder is watched until Ctrl-C, and nothing is written then: add --idle \

@@ -4,12 +4,13 @@
 //! Two things differ between writers and are read off the data: the sign of
 //! the plane's offset, and which label is the left one.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::text::Rows;
-use super::{Raw, check, diagonal, off_planes};
+use super::text::{Rows, shortest};
+use super::{Raw, check, diagonal, off_planes, unwritten, writable};
 use crate::error::{Error, Result};
 use crate::label::Label;
 use crate::plane::Plane;
@@ -49,6 +50,34 @@ pub fn read(text: &str, file: &Path, rules: &Rules) -> Result<Sections> {
         settle_sides(make(&raw), || make(&mirrored(&raw)), rules.meaning(Label::OUTSIDE))?;
     super::refuse_rest(&mut rows, count, file, rules, &mut sections)?;
     Ok(sections)
+}
+
+/// Writes sections as `.contour`, with a x + b y + c z = d and labelA on the left.
+///
+/// # Errors
+/// Where a section has unknown regions, or reaches to infinity with a material, and where writing
+/// fails.
+pub fn write(sections: &Sections, out: &mut dyn Write) -> Result<()> {
+    for section in &sections.sections {
+        writable(section, ".contour")?;
+    }
+    write_all(sections, out).map_err(|error| unwritten(".contour", &error))
+}
+
+fn write_all(sections: &Sections, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "{}", sections.sections.len())?;
+    for section in &sections.sections {
+        let Plane { normal, offset } = section.plane();
+        let plane = [normal.x, normal.y, normal.z, *offset].map(shortest).join(" ");
+        writeln!(out, "\n{plane}\n{} {}", section.vertices().len(), section.edges().len())?;
+        for vertex in 0..section.vertices().len() {
+            writeln!(out, "{}", section.point(vertex as u32).to_array().map(shortest).join(" "))?;
+        }
+        for Edge { start, end, left, right } in section.edges() {
+            writeln!(out, "{start} {end} {} {}", left.0, right.0)?;
+        }
+    }
+    Ok(())
 }
 
 fn section(rows: &mut Rows, name: &str) -> Result<Raw<Content>> {

@@ -5,10 +5,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::text::{Row, Rows, shortened};
-use super::{Raw, check, diagonal, off_planes, unwritten};
-use crate::error::{Error, Result};
-use crate::label::Label;
+use super::text::{Row, Rows, shortened, shortest};
+use super::{Raw, check, diagonal, off_planes, unwritten, writable};
+use crate::error::Result;
 use crate::plane::Plane;
 use crate::section::{Loop, Region, Rules, Section, Sections};
 
@@ -138,26 +137,10 @@ fn polygon(row: &Row, number: usize, loops: usize, points: &[DVec3]) -> Result<L
 /// Where a section has unknown regions, or reaches to infinity with a
 /// material: the format has no word for them. And where writing fails.
 pub fn write(sections: &Sections, out: &mut dyn Write) -> Result<()> {
-    let regions = sections.sections.iter().map(writable).collect::<Result<Vec<_>>>()?;
+    let regions =
+        sections.sections.iter().map(|own| writable(own, ".csl")).collect::<Result<Vec<_>>>()?;
     let labels = sections.materials.last().map_or(0, |material| material.id);
     write_all(sections, &regions, labels, out).map_err(|error| unwritten(".csl", &error))
-}
-
-/// The regions of a section that have loops of their own.
-fn writable(section: &Section) -> Result<Vec<Region>> {
-    let error = |what: &str| Error::Section {
-        section: section.name().to_owned(),
-        what: format!("{what} cannot be written as .csl: write .json instead"),
-    };
-    if section.is_partial() {
-        return Err(error("an unknown region"));
-    }
-    if section.background() != Label::OUTSIDE {
-        return Err(error("a material that reaches to infinity"));
-    }
-    let mut regions = section.regions()?;
-    regions.retain(|region| region.label.is_material() && region.outer.is_some());
-    Ok(regions)
 }
 
 fn write_all(
@@ -197,16 +180,4 @@ fn write_loops(regions: &[Region], out: &mut dyn Write) -> io::Result<()> {
         number += 1 + region.holes.len();
     }
     Ok(())
-}
-
-/// The shortest decimal that reads as the same double.
-fn shortest(value: f64) -> String {
-    let size = value.abs();
-    if size == 0.0 {
-        "0".to_owned()
-    } else if (1e-5..1e16).contains(&size) {
-        value.to_string()
-    } else {
-        format!("{value:e}")
-    }
 }

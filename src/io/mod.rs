@@ -42,7 +42,7 @@ use crate::error::{Error, Remedy, Result};
 use crate::label::Label;
 use crate::memory;
 use crate::plane::{Bounds, Plane};
-use crate::section::{Findings, Rules, Section, Sections, Warning};
+use crate::section::{Findings, Region, Rules, Section, Sections, Warning};
 
 use structures::Chosen;
 
@@ -362,6 +362,24 @@ fn off_planes<'a>(planes: impl Iterator<Item = (&'a Plane, &'a [DVec3])>) -> [f6
 fn diagonal<'a>(points: impl Iterator<Item = &'a DVec3>) -> f64 {
     let finite = points.copied().filter(|point| point.is_finite());
     Bounds::around(finite).map_or(0.0, |bounds| bounds.diagonal())
+}
+
+/// The regions of a section that have boundaries of their own, for a kind of file that says nothing
+/// else.
+fn writable(section: &Section, kind: &str) -> Result<Vec<Region>> {
+    let error = |what: &str| Error::Section {
+        section: section.name().to_owned(),
+        what: format!("{what} cannot be written as {kind}: write .json instead"),
+    };
+    if section.is_partial() {
+        return Err(error("an unknown region"));
+    }
+    if section.background() != Label::OUTSIDE {
+        return Err(error("a material that reaches to infinity"));
+    }
+    let mut regions = section.regions()?;
+    regions.retain(|region| region.label.is_material() && region.outer.is_some());
+    Ok(regions)
 }
 
 /// What a failed write to `what` means.

@@ -1,16 +1,18 @@
 //! Closed polylines of Wavefront OBJ, as sections: `l` lines, by the planes they lie on.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::mesh::welded;
+use super::mesh::{About, welded};
 use super::obj::{corner, statements};
 use super::polygons::{self, Polygon, closed};
-use super::text::point;
+use super::text::{point, shortest};
+use super::{unwritten, writable};
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
-use crate::section::{Rules, Sections, Warning};
+use crate::section::{Region, Rules, Sections, Warning};
 
 /// The polylines of an object or a group, which is a material.
 struct Part {
@@ -107,6 +109,50 @@ pub fn read(text: &str, file: &Path, rules: &Rules) -> Result<Sections> {
     }
     sections.name_materials(super::volume::distinct(materials));
     Ok(sections)
+}
+
+/// Writes the boundaries of all regions as closed polylines, an object for each material.
+///
+/// # Errors
+/// Where a section has unknown regions, or reaches to infinity with a material, and where writing
+/// fails.
+pub fn write(sections: &Sections, out: &mut dyn Write) -> Result<()> {
+    let regions = sections.sections.iter().map(|own| writable(own, ".obj"));
+    let regions = regions.collect::<Result<Vec<_>>>()?;
+    write_all(sections, &regions, out).map_err(|error| unwritten(".obj", &error))
+}
+
+fn write_all(sections: &Sections, regions: &[Vec<Region>], out: &mut dyn Write) -> io::Result<()> {
+    for line in About::from(sections).lines() {
+        writeln!(out, "# {line}")?;
+    }
+    // Vertices count from 1 through the whole file.
+    let mut firsts = vec![1];
+    for section in &sections.sections {
+        let count = section.vertices().len();
+        for vertex in 0..count {
+            writeln!(out, "v {}", section.point(vertex as u32).to_array().map(shortest).join(" "))?;
+        }
+        firsts.push(firsts[firsts.len() - 1] + count);
+    }
+    for material in &sections.materials {
+        let name = material.name.replace(char::is_control, " ");
+        let names = sections.materials.iter().filter(|other| other.name == material.name);
+        match names.count() {
+            1 => writeln!(out, "o {name}")?,
+            // Objects of one name would be one.
+            _ => writeln!(out, "o {name} {}", material.id)?,
+        }
+        for (first, regions) in firsts.iter().zip(regions) {
+            let own = regions.iter().filter(|region| region.label == Label(material.id));
+            for walk in own.flat_map(|region| region.outer.iter().chain(&region.holes)) {
+                let around = walk.iter().chain(walk.first());
+                let corners = around.map(|&vertex| (first + vertex as usize).to_string());
+                writeln!(out, "l {}", corners.collect::<Vec<_>>().join(" "))?;
+            }
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

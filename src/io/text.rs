@@ -189,3 +189,15 @@ pub(super) fn shortened(word: &str) -> String {
     }
     short
 }
+
+/// The shortest decimal that reads as the same double.
+pub fn shortest(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-5..1e16).contains(&size) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}

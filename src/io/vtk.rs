@@ -9,7 +9,11 @@ mod image;
 
 use std::io::{Error, Result, Write};
 
+use glam::DVec3;
+
 use super::mesh::About;
+use super::text::shortest;
+use crate::label::Label;
 use crate::mesh::Mesh;
 
 pub use image::write_image;
@@ -112,6 +116,56 @@ fn write_data(set: DataSet, mesh: &Mesh, out: &mut dyn Write) -> Result<()> {
     }
     let pairs = mesh.sides.as_flattened().iter().map(|label| u64::from(label.0));
     write_numbers(8 * cells, pairs, out)
+}
+
+/// Writes lines with the cell array `label`, as words, and the materials as field data.
+pub(super) fn write_lines(
+    points: &[DVec3],
+    lines: &[(Vec<u32>, Label)],
+    about: &About,
+    out: &mut dyn Write,
+) -> Result<()> {
+    writeln!(
+        out,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" \
+         byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>"
+    )?;
+    write_fields(about, out)?;
+    writeln!(
+        out,
+        "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
+        points.len(),
+        lines.len()
+    )?;
+    let labels = lines.iter().map(|(_, label)| label.to_string());
+    writeln!(out, "<CellData Scalars=\"label\">")?;
+    write_words("type=\"Int64\" Name=\"label\"", labels, out)?;
+    writeln!(out, "</CellData>\n<Points>")?;
+    let places = points.iter().map(|point| point.to_array().map(shortest).join(" "));
+    write_words("type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"", places, out)?;
+    writeln!(out, "</Points>\n<Lines>")?;
+    let corners = lines
+        .iter()
+        .map(|(line, _)| line.iter().map(ToString::to_string).collect::<Vec<_>>().join(" "));
+    write_words("type=\"Int64\" Name=\"connectivity\"", corners, out)?;
+    let ends = lines.iter().scan(0, |end, (line, _)| {
+        *end += line.len();
+        Some(end.to_string())
+    });
+    write_words("type=\"Int64\" Name=\"offsets\"", ends, out)?;
+    writeln!(out, "</Lines>\n</Piece>\n</PolyData>\n</VTKFile>")
+}
+
+/// An array of words, a line each.
+fn write_words(
+    attributes: &str,
+    mut words: impl Iterator<Item = String>,
+    out: &mut dyn Write,
+) -> Result<()> {
+    writeln!(out, "<DataArray {attributes} format=\"ascii\">")?;
+    words.try_for_each(|word| writeln!(out, "{word}"))?;
+    writeln!(out, "</DataArray>")
 }
 
 fn write_numbers(

@@ -1,13 +1,16 @@
 //! Contours in VTK's polygonal data (`.vtp`): its lines, by the planes they lie on.
 
+use std::io::Write;
 use std::path::Path;
 
 use glam::DVec3;
 use roxmltree::Document;
 
-use super::mesh::welded;
+use super::mesh::{About, welded};
 use super::polygons::{self, Polygon, closed};
+use super::vtk::write_lines;
 use super::vtk_xml::{Checked, Parts, VtkFile, array, child};
+use super::{unwritten, writable};
 use crate::error::{Error, Result};
 use crate::label::{Label, Material};
 use crate::section::{Rules, Sections, Warning};
@@ -82,6 +85,28 @@ pub fn read(bytes: &[u8], file: &Path, rules: &Rules) -> Result<Sections> {
     let materials = labels.iter().filter(|&&label| label != 0);
     sections.name_materials(materials.map(|&label| Material::numbered(Label(label))).collect());
     Ok(sections)
+}
+
+/// Writes the boundaries of all regions as closed lines, each with its `label`; materials, unit and
+/// frame are field data.
+///
+/// # Errors
+/// Where a section has unknown regions, or reaches to infinity with a material, and where writing
+/// fails.
+pub fn write(sections: &Sections, out: &mut dyn Write) -> Result<()> {
+    let (mut points, mut lines) = (Vec::new(), Vec::new());
+    for section in &sections.sections {
+        let first = points.len() as u32;
+        points.extend((0..section.vertices().len()).map(|vertex| section.point(vertex as u32)));
+        for region in writable(section, ".vtp")? {
+            for walk in region.outer.iter().chain(&region.holes) {
+                let around = walk.iter().chain(walk.first()).map(|vertex| first + vertex);
+                lines.push((around.collect(), region.label));
+            }
+        }
+    }
+    write_lines(&points, &lines, &About::from(sections), out)
+        .map_err(|error| unwritten(".vtp", &error))
 }
 
 /// All lines of a file.

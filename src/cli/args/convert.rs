@@ -8,7 +8,7 @@ use super::InputArguments;
 
 #[derive(Debug, Args)]
 pub struct ConvertArguments {
-    /// The section file to write: .csl or .json
+    /// The section file to write: .json, .csl, .contour, .obj (polylines), .vtp (lines), or a structure set: .dcm
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     #[command(flatten)]

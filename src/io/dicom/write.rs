@@ -24,7 +24,7 @@ const SAME: f64 = 0.05;
 pub struct StructureContours {
     /// Its number, name and colour.
     pub material: Material,
-    /// Each on one plane, in millimetres and LPS; those within others are holes.
+    /// Each on one plane, in millimetres and LPS; lines go to holes and back (keyholes).
     pub contours: Vec<Vec<DVec3>>,
 }
 
