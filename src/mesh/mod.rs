@@ -1,6 +1,7 @@
 //! Triangle networks: every triangle knows the label on its two sides.
 
 pub mod caps;
+pub(crate) mod clusters;
 pub mod cut;
 pub mod decimation;
 pub mod delaunay;

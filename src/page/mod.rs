@@ -92,7 +92,7 @@ impl Page {
                 methods.push(method);
             }
         }
-        let scene = Scene::new(parts, surfaces, sections, picture, progress)?;
+        let scene = Scene::new(parts, surfaces, sections, picture)?;
         progress.begin("page", 0);
         let views = match scene {
             Some(_) => views::views(surfaces, sections, picture)

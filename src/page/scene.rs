@@ -14,11 +14,10 @@ use super::plates::Plate;
 use super::text::name_of;
 use crate::error::Result;
 use crate::label::{Label, Material};
-use crate::mesh::decimation::sketch;
+use crate::mesh::clusters::clustered;
 use crate::mesh::{Mesh, Surface};
 use crate::picture::{PictureOptions, glass, viewpoint};
 use crate::plane::Bounds;
-use crate::progress::Progress;
 use crate::section::Sections;
 use crate::sides::Sides;
 
@@ -89,7 +88,6 @@ impl Scene {
         surfaces: &Mesh,
         sections: &Sections,
         picture: &PictureOptions,
-        progress: &dyn Progress,
     ) -> Result<Option<Self>> {
         let points = sections.sections.iter().flat_map(|section| {
             (0..section.vertices().len() as u32).map(|vertex| section.point(vertex))
@@ -102,7 +100,7 @@ impl Scene {
         let whole = triangles(surfaces);
         let wanted = surfaces.triangles.len() as f64 * TRIANGLES as f64 / whole.max(1) as f64;
         let simple = match whole > TRIANGLES {
-            true => &sketch(surfaces, wanted as usize, progress)?,
+            true => &clustered(surfaces, wanted as usize),
             false => surfaces,
         };
         let outlines = Outlines::new(parts, bounds.diagonal());

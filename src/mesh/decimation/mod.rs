@@ -113,19 +113,6 @@ pub fn decimate(
     task.outcome(mesh.clone())
 }
 
-/// A network with about so many triangles, to be looked at and nothing else: what [`decimate`] tries
-/// first, which as a rule is right, without the proof that takes longer.
-///
-/// # Errors
-/// When cancelled, or when CGAL fails.
-pub(crate) fn sketch(mesh: &Mesh, wanted: usize, progress: &dyn Progress) -> Result<Mesh> {
-    let decimation = Decimation::Share(1.0);
-    let (kept, limit) = (&[][..], f64::INFINITY);
-    let (crossings, is_sound, nearest) = (0, false, None);
-    let task = Task { mesh, kept, decimation, wanted, limit, crossings, is_sound, nearest };
-    Ok(task.reduced(&vec![limit; mesh.vertices.len()], progress)?.mesh)
-}
-
 impl Outcome {
     /// What is to be said where more triangles are left than were wanted.
     pub fn shortfall(&self) -> Option<String> {
