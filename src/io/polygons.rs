@@ -210,12 +210,39 @@ fn is_within(polygon: &[DVec2], at: DVec2) -> bool {
     ends.filter(crosses).count() % 2 == 1
 }
 
+/// The polygons of a label from polylines, given by the numbers of their points, and how many stay
+/// open; `place` is for errors.
+///
+/// # Errors
+/// Where more than two ends meet in a point.
+pub(super) fn joined(
+    file: &Path,
+    place: &str,
+    label: Label,
+    pieces: Vec<Vec<u32>>,
+    points: &[DVec3],
+) -> Result<(Vec<Polygon>, usize)> {
+    let (found, open) = closed(pieces).map_err(|at| {
+        let what = format!(
+            "more than two of them meet at {}: contours are closed lines, one for each region",
+            points[at as usize]
+        );
+        Error::input(file, place, what)
+    })?;
+    let polygon = |own: Vec<u32>| Polygon {
+        label,
+        points: own.into_iter().map(|at| points[at as usize]).collect(),
+        place: place.to_owned(),
+    };
+    Ok((found.into_iter().map(polygon).collect(), open))
+}
+
 /// Polylines, given by the numbers of their points, as closed polygons: pieces are joined where
 /// the ends of two meet. Also how many stay open.
 ///
 /// # Errors
 /// The number of a point in which more than two ends meet.
-pub(super) fn closed(pieces: Vec<Vec<u32>>) -> std::result::Result<(Vec<Vec<u32>>, usize), u32> {
+fn closed(pieces: Vec<Vec<u32>>) -> std::result::Result<(Vec<Vec<u32>>, usize), u32> {
     let mut found = Vec::new();
     let mut open: Vec<Option<Vec<u32>>> = Vec::new();
     for piece in pieces {

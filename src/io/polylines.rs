@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::mesh::{About, welded};
 use super::obj::{corner, statements};
-use super::polygons::{self, Polygon, closed};
+use super::polygons;
 use super::text::{point, shortest};
 use super::{unwritten, writable};
 use crate::error::{Error, Result};
@@ -69,31 +69,15 @@ pub fn read(text: &str, file: &Path, rules: &Rules) -> Result<Sections> {
             },
         ));
     }
-    let (_, same) = welded(points.iter().copied());
+    let (points, same) = welded(points.iter().copied());
     let (mut polygons, mut materials, mut left) = (Vec::new(), Vec::new(), 0);
-    // Of points in one place the first stands for all.
-    let mut stands = vec![DVec3::ZERO; points.len()];
-    for (point, &number) in points.iter().zip(&same).rev() {
-        stands[number as usize] = *point;
-    }
     for (part, id) in parts.into_iter().zip(1..) {
         let pieces = part.pieces.into_iter();
         let pieces = pieces.map(|piece| piece.into_iter().map(|own| same[own as usize]).collect());
         let place = format!("the polylines from line {} on", part.line);
-        let (found, open) = closed(pieces.collect()).map_err(|at| {
-            let what = format!(
-                "more than two of them meet at {}: contours are closed polylines, one for each \
-                 region",
-                stands[at as usize]
-            );
-            Error::input(file, &place, what)
-        })?;
+        let (found, open) = polygons::joined(file, &place, Label(id), pieces.collect(), &points)?;
         left += open;
-        polygons.extend(found.into_iter().map(|own| Polygon {
-            label: Label(id),
-            points: own.into_iter().map(|at| stands[at as usize]).collect(),
-            place: place.clone(),
-        }));
+        polygons.extend(found);
         let name = if part.name.is_empty() { format!("label {id}") } else { part.name };
         materials.push(Material { name, ..Material::numbered(Label(id)) });
     }

@@ -1,5 +1,6 @@
 //! Contours in VTK's polygonal data (`.vtp`): its lines, by the planes they lie on.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
@@ -7,7 +8,7 @@ use glam::DVec3;
 use roxmltree::Document;
 
 use super::mesh::{About, welded};
-use super::polygons::{self, Polygon, closed};
+use super::polygons;
 use super::vtk::write_lines;
 use super::vtk_xml::{Checked, Parts, VtkFile, array, child};
 use super::{unwritten, writable};
@@ -47,30 +48,21 @@ pub fn read(bytes: &[u8], file: &Path, rules: &Rules) -> Result<Sections> {
             },
         ));
     }
-    let (welded, same) = welded(points.iter().copied());
-    let mut labels: Vec<u32> = lines.iter().map(|line| line.1).collect();
-    labels.sort_unstable();
-    labels.dedup();
-    let (mut polygons, mut left) = (Vec::new(), 0);
-    for &label in labels.iter().filter(|&&label| label != 0) {
-        let own = lines.iter().filter(|line| line.1 == label);
-        let pieces = own.map(|(line, _)| line.iter().map(|&at| same[at as usize]).collect());
-        let place = format!("the lines of label {label}");
-        let (found, open) = closed(pieces.collect()).map_err(|at| {
-            let what = format!(
-                "more than two of them meet at {}: contours are closed lines, one for each region",
-                welded[at as usize]
-            );
-            Error::input(file, &place, what)
-        })?;
-        left += open;
-        polygons.extend(found.into_iter().map(|own| Polygon {
-            label: Label(label),
-            points: own.into_iter().map(|at| welded[at as usize]).collect(),
-            place: place.clone(),
-        }));
+    let (points, same) = welded(points.iter().copied());
+    let mut of_labels: BTreeMap<u32, Vec<Vec<u32>>> = BTreeMap::new();
+    for (line, label) in lines {
+        let line = line.into_iter().map(|at| same[at as usize]).collect();
+        of_labels.entry(label).or_default().push(line);
     }
-    let outside = lines.iter().filter(|line| line.1 == 0).count();
+    let outside = of_labels.remove(&Label::OUTSIDE.0).map_or(0, |lines| lines.len());
+    let materials = of_labels.keys().map(|&label| Material::numbered(Label(label))).collect();
+    let (mut polygons, mut left) = (Vec::new(), 0);
+    for (label, pieces) in of_labels {
+        let place = format!("the lines of label {label}");
+        let (found, open) = polygons::joined(file, &place, Label(label), pieces, &points)?;
+        left += open;
+        polygons.extend(found);
+    }
     let mut sections = polygons::sections(file, polygons, rules)?;
     for (count, what) in [
         (left, "lines that do not close"),
@@ -82,8 +74,7 @@ pub fn read(bytes: &[u8], file: &Path, rules: &Rules) -> Result<Sections> {
             sections.left_out.push(Warning { section: String::new(), what });
         }
     }
-    let materials = labels.iter().filter(|&&label| label != 0);
-    sections.name_materials(materials.map(|&label| Material::numbered(Label(label))).collect());
+    sections.name_materials(materials);
     Ok(sections)
 }
 

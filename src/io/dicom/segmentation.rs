@@ -2,6 +2,7 @@
 //! number, in millimetres and the patient's frame (DICOM PS3.3, A.51, A.81 and C.8.20). Segments
 //! that overlap are in layers of their own.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use dicom_core::Tag;
@@ -102,14 +103,11 @@ fn volumes(
     let voxels = area.checked_mul(count).ok_or("its frames are too many".to_owned())?;
     let mut layers: Vec<Vec<u32>> = Vec::new();
     let mut of_layers: Vec<Vec<u32>> = Vec::new();
-    let mut segments: Vec<u32> = frames.iter().map(|frame| frame.segment).collect();
-    segments.sort_unstable();
-    segments.dedup();
-    for segment in segments {
-        let own: Vec<(usize, usize)> = (0..frames.len())
-            .filter(|&frame| frames[frame].segment == segment)
-            .map(|frame| (frame, slices[frame]))
-            .collect();
+    let mut of_segments: BTreeMap<u32, Vec<(usize, usize)>> = BTreeMap::new();
+    for (number, (frame, slice)) in frames.iter().zip(slices).enumerate() {
+        of_segments.entry(frame.segment).or_default().push((number, slice));
+    }
+    for (segment, own) in of_segments {
         let is_free = |labels: &Vec<u32>| {
             own.iter().all(|&(frame, slice)| {
                 let there = &labels[slice * area..][..area];
@@ -276,6 +274,12 @@ fn from_lab(values: [u16; 3]) -> [u8; 3] {
     })
 }
 
+/// A functional group of a frame, its own or that of all.
+fn group<'a>(own: &'a Object, shared: Option<&'a Object>, tag: Tag) -> Option<&'a Object> {
+    let first = |groups: &'a Object| items(groups, tag).first();
+    first(own).or_else(|| shared.and_then(first))
+}
+
 /// Where frames are; as many as there are pixels of.
 fn frames(object: &Object, pixels: &Pixels) -> Checked<Vec<Frame>> {
     let own = items(object, tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE);
@@ -300,13 +304,8 @@ fn frames(object: &Object, pixels: &Pixels) -> Checked<Vec<Frame>> {
         ));
     }
     let frame = |(number, groups): (usize, &Object)| {
-        let group = |tag: Tag| {
-            let of = |groups: &'_ Object| items(groups, tag).first().cloned();
-            of(groups).or_else(|| shared.and_then(of))
-        };
         let numbers = |sequence: Tag, tag: Tag, what: &str, count: usize| {
-            let group = group(sequence);
-            let found = group.as_ref().and_then(|group| group.get(tag));
+            let found = group(groups, shared, sequence).and_then(|group| group.get(tag));
             let found = found.and_then(|element| element.to_multi_float64().ok());
             found
                 .filter(|own| own.len() == count && own.iter().all(|number| number.is_finite()))
@@ -328,8 +327,7 @@ fn frames(object: &Object, pixels: &Pixels) -> Checked<Vec<Frame>> {
             numbers(tags::PIXEL_MEASURES_SEQUENCE, tags::PIXEL_SPACING, "size of pixels", 2)?;
         let segment = match pixels.kind {
             Kind::Labels => 0,
-            _ => group(tags::SEGMENT_IDENTIFICATION_SEQUENCE)
-                .as_ref()
+            _ => group(groups, shared, tags::SEGMENT_IDENTIFICATION_SEQUENCE)
                 .and_then(|group| group.get(tags::REFERENCED_SEGMENT_NUMBER))
                 .and_then(|number| number.to_int::<u32>().ok())
                 .filter(|&number| (1..=u32::from(u16::MAX)).contains(&number))
@@ -349,12 +347,10 @@ fn frames(object: &Object, pixels: &Pixels) -> Checked<Vec<Frame>> {
 pub fn source_images(object: &Object) -> Vec<(Plane, Object)> {
     let shared = items(object, tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE).first();
     let of_frame = |groups: &Object| {
-        let group = |tag: Tag| {
-            let of = |groups: &Object| items(groups, tag).first().cloned();
-            of(groups).or_else(|| shared.and_then(of))
-        };
         let numbers = |sequence: Tag, tag: Tag| {
-            group(sequence)?.get(tag).and_then(|element| element.to_multi_float64().ok())
+            group(groups, shared, sequence)?
+                .get(tag)
+                .and_then(|element| element.to_multi_float64().ok())
         };
         let at = numbers(tags::PLANE_POSITION_SEQUENCE, tags::IMAGE_POSITION_PATIENT)?;
         let directions =
@@ -364,8 +360,8 @@ pub fn source_images(object: &Object) -> Vec<(Plane, Object)> {
         };
         let normal = DVec3::new(a, b, c).cross(DVec3::new(d, e, f)).try_normalize()?;
         let plane = Plane { normal, offset: normal.dot(DVec3::new(x, y, z)) };
-        let derivation = group(tags::DERIVATION_IMAGE_SEQUENCE)?;
-        let source = items(&derivation, tags::SOURCE_IMAGE_SEQUENCE).first()?;
+        let derivation = group(groups, shared, tags::DERIVATION_IMAGE_SEQUENCE)?;
+        let source = items(derivation, tags::SOURCE_IMAGE_SEQUENCE).first()?;
         let named = [tags::REFERENCED_SOP_CLASS_UID, tags::REFERENCED_SOP_INSTANCE_UID];
         let named = named.map(|tag| source.get(tag).cloned());
         let [Some(class), Some(instance)] = named else { return None };
